@@ -45,7 +45,7 @@ class ShadeKernel {
 public:
   explicit ShadeKernel(const std::filesystem::path& path) {
     Scene scene = load_gltf(path);
-    RenderSettings settings;
+    RenderPlan settings;
     settings.width = kWidth;
     settings.height = kHeight;
     settings.max_depth = 5;

@@ -110,7 +110,7 @@ TEST(SampleShares, ComeFromAPilotOfAFewPaths) {
 // ---- who is adaptive ------------------------------------------------------------------------------------------------
 
 TEST(Adaptivity, IsTriedWhereAPilotIsASmallPartOfTheRender) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.integrator = find_integrator("path");
   settings.width = 256, settings.height = 128;
   const auto tried = [&](std::uint32_t spp) {
@@ -143,14 +143,14 @@ TEST(Adaptivity, IsTriedWhereAPilotIsASmallPartOfTheRender) {
 }
 
 TEST(Adaptivity, IsForThoseThatAskOrTry) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.integrator = find_integrator("path");
   EXPECT_FALSE(is_adaptive(settings)) << "windows, studies and parts do not try";
-  settings.tries_adaptive = true;
+  settings.looks_for_noise = true;
   EXPECT_TRUE(is_adaptive(settings));
   settings.adaptive = kAdaptiveOff;
   EXPECT_FALSE(is_adaptive(settings));
-  settings.adaptive = kAdaptiveOn, settings.tries_adaptive = false;
+  settings.adaptive = kAdaptiveOn, settings.looks_for_noise = false;
   EXPECT_TRUE(is_adaptive(settings));
   settings.integrator = find_integrator("bidirectional");
   EXPECT_FALSE(is_adaptive(settings));
@@ -191,7 +191,7 @@ TEST(WaveByLevels, EverySlotIsASampleOfAPlace) {
 
 // What generate keeps of a slot has room where there are levels alone.
 TEST(WaveByLevels, TakeSixteenBytesAPath) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.integrator = find_integrator("path");
   settings.adaptive = kAdaptiveOff;
   const std::uint64_t even = settings.integrator->bytes_per_slot(0, settings);
@@ -203,8 +203,8 @@ TEST(WaveByLevels, TakeSixteenBytesAPath) {
 
 class AdaptiveRender : public VulkanTest {
 protected:
-  static RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
+    RenderPlan settings;
     settings.integrator = find_integrator("path");
     settings.width = width, settings.height = height;
     settings.last_sample = spp;
@@ -214,12 +214,12 @@ protected:
     settings.adaptive = kAdaptiveOn;
     return settings;
   }
-  RenderResult render(const RenderSettings& settings, const RenderHooks& hooks = {}) {
+  RenderResult render(const RenderPlan& settings, const RenderHooks& hooks = {}) {
     const View view = resolve_view(scene_, {}, settings.width, settings.height);
     return wavepath::render(device(), packed_, view, settings, hooks, shared_kernels(device()));
   }
   // The levels that a render of these settings takes.
-  std::vector<std::int8_t> levels_of(const RenderSettings& settings) {
+  std::vector<std::int8_t> levels_of(const RenderPlan& settings) {
     std::vector<std::int8_t> levels;
     RenderHooks hooks;
     hooks.save = [&](const RenderState& state) { levels = state.levels; };
@@ -232,7 +232,7 @@ protected:
 };
 
 TEST_F(AdaptiveRender, GivesBothOfHalvedNetsASample) {
-  RenderSettings settings = settings_of(128, 96, 4);
+  RenderPlan settings = settings_of(128, 96, 4);
   settings.aovs = {"variance"}; // halves nets
   const RenderResult result = render(settings);
   ASSERT_TRUE(result.noise && result.noise->used);
@@ -245,7 +245,7 @@ TEST_F(AdaptiveRender, GivesBothOfHalvedNetsASample) {
 TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
   for (const char* integrator : {"path", "whitted"}) {
     SCOPED_TRACE(integrator);
-    RenderSettings settings = settings_of(101, 67, 16);
+    RenderPlan settings = settings_of(101, 67, 16);
     settings.integrator = find_integrator(integrator);
     const std::vector<std::int8_t> levels = levels_of(settings);
     ASSERT_EQ(levels.size(), (101u * 67 + 63) / 64);
@@ -269,12 +269,12 @@ TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
 
 // A net of a run is that of an even render of as many samples.
 TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
-  RenderSettings settings = settings_of(101, 67, 16);
+  RenderPlan settings = settings_of(101, 67, 16);
   const std::vector<std::int8_t> levels = levels_of(settings);
   const Film film = *render(settings).film;
   std::size_t compared = 0;
   for (const int level : {kLowestLevel, -1, 0, 1}) {
-    RenderSettings even = settings;
+    RenderPlan even = settings;
     even.adaptive = kAdaptiveOff;
     even.last_sample = at_level(16, level);
     const Film expected = *render(even).film;
@@ -294,7 +294,7 @@ TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
 
 // A pass of a small picture is one wave, whatever levels it has; waves of their own would cost each some milliseconds.
 TEST_F(AdaptiveRender, LevelsShareWaves) {
-  RenderSettings settings = settings_of(101, 67, 16);
+  RenderPlan settings = settings_of(101, 67, 16);
   const std::vector<std::int8_t> levels = levels_of(settings);
   EXPECT_GE(std::set<std::int8_t>(levels.begin(), levels.end()).size(), 4u);
   const View view = resolve_view(scene_, {}, settings.width, settings.height);
@@ -309,7 +309,7 @@ TEST_F(AdaptiveRender, LevelsShareWaves) {
 }
 
 TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {
-  RenderSettings settings = settings_of(101, 67, 24);
+  RenderPlan settings = settings_of(101, 67, 24);
   const RenderResult expected = render(settings);
   for (const std::uint32_t slots : {500u, 3000u}) {
     settings.wave_slots = slots;
@@ -336,9 +336,9 @@ TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {
 // The mean stays, the error falls, and what is told of it is what it is, also where one pixel measures its block.
 TEST_F(AdaptiveRender, WholeNetsTellTheirError) {
   constexpr std::uint32_t kRuns = 16;
-  RenderSettings settings = settings_of(128, 128, 16), even = settings;
+  RenderPlan settings = settings_of(128, 128, 16), even = settings;
   even.adaptive = kAdaptiveOff;
-  RenderSettings truth = even;
+  RenderPlan truth = even;
   truth.last_sample = 1024, truth.seed = 1000000;
   const Film reference = *render(truth).film;
   double told = 0.0, error = 0.0, even_error = 0.0;
@@ -378,9 +378,9 @@ TEST_F(AdaptiveRender, WholeNetsTellTheirError) {
 // Auto shares samples out in the Cornell box, whose surroundings are black and whose corners are noisy, but not where
 // every pixel has the noise of every other; there it is bit for bit the even render.
 TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
-  RenderSettings settings = settings_of(256, 128, 64);
+  RenderPlan settings = settings_of(256, 128, 64);
   settings.adaptive = kAdaptiveAuto;
-  settings.tries_adaptive = true;
+  settings.looks_for_noise = true;
   settings.max_depth = 1;
   const RenderResult box = render(settings);
   ASSERT_TRUE(box.noise);
@@ -404,7 +404,7 @@ TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
   EXPECT_FALSE(corner.noise->used) << corner.noise->cost;
   EXPECT_TRUE(corner.even);
   EXPECT_EQ(corner.spp, 64u);
-  RenderSettings off = settings;
+  RenderPlan off = settings;
   off.adaptive = kAdaptiveOff;
   const RenderResult even = render(off);
   EXPECT_FALSE(even.noise);
@@ -421,7 +421,7 @@ TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
 
 // A pilot of a render that may be short is short.
 TEST_F(AdaptiveRender, AnOpenEndRendersTheShortestPilot) {
-  RenderSettings settings = settings_of(64, 64, 4096);
+  RenderPlan settings = settings_of(64, 64, 4096);
   settings.target_error = 0.5;
   EXPECT_EQ(render(settings).noise->samples, kFewestPilotSamples);
   settings.target_error = 0.0, settings.last_sample = 256;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kSide = 48; // pixels
 
-RenderSettings antialias_settings(std::string_view technique, std::uint32_t samples = 1) {
-  RenderSettings settings;
+RenderPlan antialias_settings(std::string_view technique, std::uint32_t samples = 1) {
+  RenderPlan settings;
   settings.integrator = &kHybrid;
   settings.width = settings.height = kSide;
   settings.max_depth = 0; // light that is seen directly
@@ -158,7 +158,7 @@ TEST_F(AntialiasTest, MultisamplingShadesATriangleOncePerPixel) {
   scene.materials[0].emission = glm::vec3(0.0f);
   scene.lights.push_back(lamp({3.0, 2.0, 1.5}));
   const auto picture_of = [&](const char* name, std::uint32_t samples) {
-    RenderSettings settings = antialias_settings(name, samples);
+    RenderPlan settings = antialias_settings(name, samples);
     settings.max_depth = 1;
     settings.direct = gpu::kDirectNee;
     return light(scene, settings);
@@ -184,7 +184,7 @@ TEST_F(AntialiasTest, MultisamplingLeavesEdgesOfShadowsAlone) {
   scene.lights.push_back(sun({0.0, 0.0, -1.0}));
   add_instance(scene, add_mesh(scene, rectangle({0, -30, 20}, {100, 37, 0}, {0, 30, 0}))); // behind the camera
   const auto levels = [&](const char* name) {
-    RenderSettings settings = antialias_settings(name, 4);
+    RenderPlan settings = antialias_settings(name, 4);
     settings.max_depth = 1;
     settings.direct = gpu::kDirectNee;
     std::vector<float> values = light(scene, settings);
@@ -237,7 +237,7 @@ TEST_F(AntialiasTest, TaaTendsToSupersampling) {
 TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
   const Scene scene = half_plane(0.125f, 0.5f);
   const auto error_of = [&](const char* name) {
-    RenderSettings settings = antialias_settings(name);
+    RenderPlan settings = antialias_settings(name);
     settings.integrator = &kAo;
     return error(light(scene, settings), 0.125, 0.5);
   };
@@ -247,7 +247,7 @@ TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
 TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
   const Scene scene = half_plane(0.37f, 0.1f);
   for (const AntialiasKind* kind : antialias_kinds()) {
-    const RenderSettings settings = antialias_settings(kind->name, 4);
+    const RenderPlan settings = antialias_settings(kind->name, 4);
     const RenderResult result = render(scene, settings);
     const bool runs = std::ranges::count(result.stages, "anti-aliasing", &StageTime::name) > 0;
     EXPECT_EQ(runs, !kind->passes.empty() || kind->over_time) << kind->name;
@@ -269,7 +269,7 @@ TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("msaa", 8)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("msaa", 6)), UsageError);
-  RenderSettings settings = antialias_settings("msaa", 4);
+  RenderPlan settings = antialias_settings("msaa", 4);
   settings.target_error = 0.1;
   EXPECT_THROW(check_antialias_settings(settings), UsageError);
   settings = antialias_settings("none");

@@ -35,7 +35,7 @@ Scene squares() {
 class AovTest : public ShadowTest {
 protected:
   Picture picture(const Scene& scene, const IntegratorKind* integrator, std::uint32_t samples) {
-    RenderSettings settings;
+    RenderPlan settings;
     settings.integrator = integrator;
     settings.width = kWidth, settings.height = kHeight;
     settings.last_sample = samples;

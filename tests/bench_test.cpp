@@ -30,12 +30,12 @@ using Json = nlohmann::ordered_json;
 
 const std::string kCornell = WAVEPATH_SOURCE_DIR "/scenes/cornell_box.gltf";
 
-RenderSettings small_settings() {
-  RenderSettings settings;
+RenderPlan small_settings() {
+  RenderPlan settings;
   settings.width = 48, settings.height = 32;
   settings.last_sample = 2;
   settings.max_depth = 3;
-  settings.room_for_shadow_rays = true;
+  settings.kernels.shadow_rays = true;
   return settings;
 }
 
@@ -44,7 +44,7 @@ struct Loaded {
   View view;
 };
 
-Loaded load(Scene scene, const RenderSettings& settings) {
+Loaded load(Scene scene, const RenderPlan& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   return {pack(scene), view};
 }
@@ -106,7 +106,7 @@ TEST(Work, CountsBothLevels) {
 
 class Bench : public VulkanTest {
 protected:
-  RenderSettings settings_ = small_settings();
+  RenderPlan settings_ = small_settings();
 };
 
 TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
@@ -175,8 +175,8 @@ TEST_F(Bench, LeavingOutChangesNoBit) {
     if (entry.feature && !(entry.feature & gpu::kLobesAll)) all.push_back(entry);
   for (const LeftOut& entry : all) {
     SCOPED_TRACE(entry.what);
-    RenderSettings variant = settings_;
-    variant.added_features = entry.feature;
+    RenderPlan variant = settings_;
+    variant.kernels.added = entry.feature;
     const RenderResult with = render(device(), scene.packed, scene.view, variant);
     for (std::size_t c = 0; c < without.picture.channels.size(); ++c)
       EXPECT_EQ(with.picture.channels[c].values, without.picture.channels[c].values);
@@ -190,8 +190,8 @@ TEST_F(Bench, TheLayeredBuildChangesNoBit) {
   settings_.max_depth = 5;
   const Loaded scene = load(load_gltf(WAVEPATH_SOURCE_DIR "/scenes/showcase.glb", {}), settings_);
   ASSERT_FALSE(scene.packed.features & gpu::kLobesLayered);
-  RenderSettings layered = settings_;
-  layered.added_features = gpu::kLobesLayered;
+  RenderPlan layered = settings_;
+  layered.kernels.added = gpu::kLobesLayered;
   const RenderResult without = render(device(), scene.packed, scene.view, settings_);
   const RenderResult with = render(device(), scene.packed, scene.view, layered);
   for (std::size_t c = 0; c < without.picture.channels.size(); ++c)

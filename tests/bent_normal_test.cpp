@@ -174,7 +174,7 @@ bool asks_for_scenes() { return std::getenv("WAVEPATH_BENT_SCENES") != nullptr; 
 class BentNormals : public VulkanTest {
 protected:
   Mean mean(const Scene& made, const Estimator& estimator, std::uint32_t depth) {
-    RenderSettings asked;
+    RenderPlan asked;
     asked.width = asked.height = kSide;
     asked.last_sample = asks_for_scenes() ? estimator.spp : estimator.spp / 8;
     asked.max_depth = depth;

@@ -33,7 +33,8 @@ TEST_F(BidirectionalTest, ALensMayBeInABody) {
   Scene scene = corner();
   add_lamp(scene, LightKind::point);
   flood(scene, {-6, -6, -6}, {6, 6, 6});
-  expect_path_light(scene, 2, {kSplat, kAllButMerge}, 32, [](RenderSettings& s) { s.aperture = 0.2, s.focus = 3.0; });
+  expect_path_light(scene, 2, {kSplat, kAllButMerge}, 32,
+                    [](RenderPlan& s) { s.lens.aperture = 0.2, s.lens.focus = 3.0; });
 }
 
 TEST_F(BidirectionalTest, LightFromOutsideBeginsOutside) {

@@ -46,13 +46,13 @@ void add_many_lights(Scene& scene, bool distant, double lowest = 0.1) {
 // Next-event estimation goes by a tree, or by what a pilot has learned, while light paths begin by power.
 class BidirectionalLights : public BidirectionalTest, public testing::WithParamInterface<std::uint32_t> {
 protected:
-  static void use(RenderSettings& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }
+  static void use(RenderPlan& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }
   // What path tracing does not find: each set of techniques gives what it gives by power.
   void expect_light_by_power(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
                              std::uint32_t spp) {
     for (const std::uint32_t techniques : sets) {
       SCOPED_TRACE(techniques);
-      RenderSettings power = settings(spp, depth, techniques), asked = power;
+      RenderPlan power = settings(spp, depth, techniques), asked = power;
       power.lights = gpu::kLightsPower, asked.lights = GetParam();
       expect_same_mean(average(Subject(scene, asked), asked), average(Subject(scene, power), power));
     }
@@ -86,7 +86,7 @@ TEST_P(BidirectionalLights, FindTheSameLightThroughGlass) {
 }
 
 TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
-  RenderSettings whole = settings(3, 4);
+  RenderPlan whole = settings(3, 4);
   whole.lights = GetParam();
   Scene scene = corner();
   add_many_lights(scene, true);
@@ -94,7 +94,7 @@ TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
   const RenderResult expected = render(subject, whole);
   EXPECT_EQ(expected.light_pilot.rows > 20, GetParam() == gpu::kLightsLearned);
   expect_same_film_however_cut(subject, whole, *expected.film);
-  RenderSettings first = whole, second = whole;
+  RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 1;
   first.sample_total = second.sample_total = 3;
   Film film = *render(subject, second).film;
@@ -104,7 +104,7 @@ TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
 
 // Where nothing asks for the tree, its kernels and the receivers of paths are not there.
 TEST_F(BidirectionalTest, TreesAreThereWhereTheyAreNeeded) {
-  RenderSettings asked = settings(2, 3);
+  RenderPlan asked = settings(2, 3);
   const auto walks = [&] {
     const bool has_tree = kernel_config(gpu::kFeatureLightTree, 32, asked).features & gpu::kFeatureLightTree;
     const std::uint64_t receivers =

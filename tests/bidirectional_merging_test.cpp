@@ -55,7 +55,7 @@ TEST_F(BidirectionalTest, MergingFindsTheSkyThatAMirrorShows) {
 TEST_F(BidirectionalTest, OnlyMergingFindsALampThatAMirrorShows) {
   Scene scene = floor_in_mirror();
   add_lamp(scene, LightKind::point);
-  const RenderSettings all = settings(8, 4), rest = settings(8, 4, gpu::kTechniquesAll & ~kMerge);
+  const RenderPlan all = settings(8, 4), rest = settings(8, 4, gpu::kTechniquesAll & ~kMerge);
   const Subject subject(std::move(scene), all);
   const double found = parts_of(render(subject, all).picture)[0], others = parts_of(render(subject, rest).picture)[0];
   EXPECT_GT(found, 0.0);
@@ -63,7 +63,7 @@ TEST_F(BidirectionalTest, OnlyMergingFindsALampThatAMirrorShows) {
 }
 
 TEST_F(BidirectionalTest, HowMergingIsCutUpDoesNotMatter) {
-  const RenderSettings whole = settings(5, 5);
+  const RenderPlan whole = settings(5, 5);
   Scene scene = floor_in_mirror();
   add_lamp(scene, LightKind::spot);
   add_shining_quad(scene);
@@ -77,12 +77,12 @@ TEST_F(BidirectionalTest, HowMergingIsCutUpDoesNotMatter) {
 TEST_F(BidirectionalTest, FilmsThatMergeJoinWithoutLoss) {
   Scene scene = floor_in_mirror();
   add_lamp(scene, LightKind::point);
-  RenderSettings whole = settings(0, 4);
+  RenderPlan whole = settings(0, 4);
   const Subject subject(std::move(scene), whole);
   const std::uint32_t block = plan_photons(std::uint64_t{whole.width} * whole.height).block;
   whole.first_sample = block - 3, whole.last_sample = whole.sample_total = block + 5;
   for (const std::uint32_t middle : {block - 1, block, block + 2}) {
-    RenderSettings first = whole, second = whole;
+    RenderPlan first = whole, second = whole;
     first.last_sample = second.first_sample = middle;
     Film film = *render(subject, second).film;
     join(film, *render(subject, first).film);
@@ -92,9 +92,9 @@ TEST_F(BidirectionalTest, FilmsThatMergeJoinWithoutLoss) {
 
 // Where no surface is smooth, or no path is long enough, there are no photons.
 TEST_F(BidirectionalTest, PhotonsAreThereWhereTheyAreNeeded) {
-  const auto has_photons = [&](Scene scene, const RenderSettings& settings) {
+  const auto has_photons = [&](Scene scene, const RenderPlan& settings) {
     const Subject subject(std::move(scene), settings);
-    RenderSettings without = settings;
+    RenderPlan without = settings;
     without.techniques &= ~kMerge;
     const RenderResult result = render(subject, settings);
     const bool dispatched =
@@ -134,7 +134,7 @@ TEST_F(BidirectionalTest, TheRadiusShrinksWithTheSamples) {
 TEST_F(BidirectionalTest, TheEstimatedErrorCoversThatOfMerging) {
   Scene scene = floor_in_mirror();
   add_lamp(scene, LightKind::point);
-  RenderSettings fine = settings(8192, 4, kMerge);
+  RenderPlan fine = settings(8192, 4, kMerge);
   fine.seed = 99;
   const Subject subject(std::move(scene), fine);
   const Picture reference = render(subject, fine).picture;

@@ -139,7 +139,7 @@ struct Subject {
   PackedScene packed;
   View view;
 
-  Subject(Scene scene, const RenderSettings& settings)
+  Subject(Scene scene, const RenderPlan& settings)
       : packed(pack(scene, {.direct = settings.direct, .lights = settings.lights})),
         view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
@@ -169,9 +169,8 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  static RenderSettings settings(std::uint32_t spp, std::uint32_t depth,
-                                 std::uint32_t techniques = gpu::kTechniquesAll) {
-    RenderSettings settings;
+  static RenderPlan settings(std::uint32_t spp, std::uint32_t depth, std::uint32_t techniques = gpu::kTechniquesAll) {
+    RenderPlan settings;
     settings.width = 18, settings.height = 12;
     settings.last_sample = spp;
     settings.max_depth = depth;
@@ -179,29 +178,29 @@ protected:
     settings.techniques = techniques;
     return settings;
   }
-  static RenderSettings path_settings(std::uint32_t spp, std::uint32_t depth) {
-    RenderSettings plain = settings(spp, depth);
+  static RenderPlan path_settings(std::uint32_t spp, std::uint32_t depth) {
+    RenderPlan plain = settings(spp, depth);
     plain.integrator = &kPath;
     return plain;
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+  RenderResult render(const Subject& subject, const RenderPlan& settings) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     RenderResult result = wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, *kernels_);
     EXPECT_EQ(result.nonfinite.samples(), 0u);
     return result;
   }
   // Whatever the waves are long, and with generic kernels.
-  void expect_same_film_however_cut(const Subject& subject, const RenderSettings& whole, const Film& expected) {
+  void expect_same_film_however_cut(const Subject& subject, const RenderPlan& whole, const Film& expected) {
     for (const std::uint32_t slots : {64u, 700u}) {
-      RenderSettings cut = whole;
+      RenderPlan cut = whole;
       cut.wave_slots = slots;
       EXPECT_TRUE(*render(subject, cut).film == expected) << slots << " slots";
     }
-    RenderSettings generic = whole;
+    RenderPlan generic = whole;
     generic.specialize = false;
     EXPECT_TRUE(*render(subject, generic).film == expected) << "generic kernels";
   }
-  Average average(const Subject& subject, RenderSettings settings) {
+  Average average(const Subject& subject, RenderPlan settings) {
     constexpr std::uint32_t kRenders = 8;
     Average result;
     for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
@@ -222,7 +221,7 @@ protected:
     }
   }
   // The interval of most coarse renders holds their error against the reference.
-  void expect_intervals_cover(const Subject& subject, const Picture& reference, RenderSettings coarse) {
+  void expect_intervals_cover(const Subject& subject, const Picture& reference, RenderPlan coarse) {
     constexpr std::uint32_t kRenders = 16;
     const Coverage found = measure_coverage(reference, kRenders, [&](std::uint32_t seed) {
       coarse.seed = 100 + seed;
@@ -232,13 +231,13 @@ protected:
   }
   // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
   void expect_path_light(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
-                         std::uint32_t spp = 32, const std::function<void(RenderSettings&)>& adjust = {}) {
-    RenderSettings path = path_settings(4 * spp, depth);
+                         std::uint32_t spp = 32, const std::function<void(RenderPlan&)>& adjust = {}) {
+    RenderPlan path = path_settings(4 * spp, depth);
     if (adjust) adjust(path);
     const Average expected = average(Subject(scene, path), path);
     for (const std::uint32_t techniques : sets) {
       SCOPED_TRACE(techniques);
-      RenderSettings asked = settings(spp, depth, techniques);
+      RenderPlan asked = settings(spp, depth, techniques);
       if (adjust) adjust(asked);
       expect_same_mean(average(Subject(scene, asked), asked), expected);
     }

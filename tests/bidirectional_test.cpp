@@ -41,7 +41,7 @@ TEST_F(BidirectionalTest, EverySetFindsTheLightOfAllLightsAtOnce) {
 TEST_F(BidirectionalTest, ConnectionsAloneFindIndirectLight) {
   Scene scene = corner();
   add_shining_quad(scene, 2.5f);
-  const RenderSettings asked = settings(128, 3, kConnect);
+  const RenderPlan asked = settings(128, 3, kConnect);
   const Subject subject(scene, asked);
   Average expected = average(subject, path_settings(512, 3));
   const Average once = average(subject, path_settings(512, 1)), seen = average(subject, path_settings(512, 0));
@@ -89,8 +89,9 @@ TEST_F(BidirectionalTest, ALensSeesTheSameLight) {
     Scene scene = corner(orthographic);
     add_shining_quad(scene, 2.5f);
     add_lamp(scene, LightKind::point);
-    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
-                      [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
+    expect_path_light(
+        scene, 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
+        [&](RenderPlan& asked) { asked.lens.aperture = 0.6, asked.lens.focus = 2.0, asked.lens.blades = blades; });
   }
 }
 
@@ -121,7 +122,7 @@ TEST_P(BidirectionalSides, HideTheSameLightFromBothEnds) {
                add_mesh(scene, quad({-1, 0.6f, 1}, {0, 0.6f, 1}, {0, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
   add_instance(scene, add_mesh(scene, quad({1, 0.1f, 1}, {0, 0.1f, 1}, {0, 0.1f, -0.5f}, {1, 0.1f, -0.5f}), material));
   expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
-                    [](RenderSettings& asked) { asked.cull = GetParam(); });
+                    [](RenderPlan& asked) { asked.cull = GetParam(); });
 }
 
 // Unlit surfaces are there for the eye and for mirrors: light passes them, but what a mirror shows them hide.
@@ -172,7 +173,7 @@ TEST_F(BidirectionalTest, SunThroughAPaneHasItsExactValue) {
   scene.lights.push_back(sun);
   scene.cameras.push_back(camera_at({0.0, 0.8, 0.6}));
   scene.cameras.back().yfov = 0.4;
-  const RenderSettings all = settings(64, 3);
+  const RenderPlan all = settings(64, 3);
   const Subject subject(std::move(scene), all);
   const Average found = average(subject, all);
   const double expected = 2.0 * 0.5 / std::numbers::pi * std::pow(1.0 - 0.2 * 0.2, 2.0); // R, G and B on average
@@ -187,7 +188,7 @@ TEST_F(BidirectionalTest, EveryFilterGivesTheSameLight) {
     SCOPED_TRACE(filter);
     Scene scene = corner();
     add_lamp(scene, LightKind::point);
-    RenderSettings path = path_settings(128, 2), splats = settings(64, 2, kSplat);
+    RenderPlan path = path_settings(128, 2), splats = settings(64, 2, kSplat);
     path.filter = splats.filter = filter;
     const Subject subject(std::move(scene), path);
     expect_same_mean(average(subject, splats), average(subject, path));
@@ -195,7 +196,7 @@ TEST_F(BidirectionalTest, EveryFilterGivesTheSameLight) {
 }
 
 TEST_F(BidirectionalTest, HowTheWorkIsCutUpDoesNotMatter) {
-  RenderSettings whole = settings(3, 5);
+  RenderPlan whole = settings(3, 5);
   whole.aovs = {"albedo", "normal", "depth", "emission"};
   Scene showcase = load_gltf(kScenes + "showcase.glb", {});
   add_sky(showcase);
@@ -207,9 +208,9 @@ TEST_F(BidirectionalTest, HowTheWorkIsCutUpDoesNotMatter) {
 
 // Halves of the samples, joined, are the whole: the light that paths of one bring to pixels of the other included.
 TEST_F(BidirectionalTest, FilmsJoinWithoutLoss) {
-  RenderSettings whole = settings(6, 3);
+  RenderPlan whole = settings(6, 3);
   const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), whole);
-  RenderSettings first = whole, second = whole;
+  RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 3;
   first.sample_total = second.sample_total = 6;
   Film film = *render(subject, second).film;
@@ -221,7 +222,7 @@ TEST_F(BidirectionalTest, FilmsJoinWithoutLoss) {
 TEST_F(BidirectionalTest, TheEstimatedErrorCoversTheTrueOne) {
   Scene scene = corner();
   add_lamp(scene, LightKind::spot);
-  const RenderSettings path = path_settings(4096, 3);
+  const RenderPlan path = path_settings(4096, 3);
   const Subject subject(std::move(scene), path);
   const Picture reference = render(subject, path).picture;
   expect_intervals_cover(subject, reference, settings(32, 3, kSplat));
@@ -230,7 +231,7 @@ TEST_F(BidirectionalTest, TheEstimatedErrorCoversTheTrueOne) {
 // Nothing of light paths exists where they are not asked for, and what is asked for fits into an eighth of the device's
 // memory.
 TEST_F(BidirectionalTest, LightVerticesAreCounted) {
-  RenderSettings deep = settings(4, 9), shallow = settings(4, 1);
+  RenderPlan deep = settings(4, 9), shallow = settings(4, 1);
   const std::uint64_t vertices = kBidirectional.bytes_per_slot(0, deep) - kBidirectional.bytes_per_slot(0, shallow);
   EXPECT_EQ(vertices, 8 * sizeof(gpu::LightVertex) + sizeof(float)); // and whether the path merges
   EXPECT_LE(sizeof(gpu::LightVertex), 64u);

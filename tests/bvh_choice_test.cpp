@@ -9,7 +9,7 @@ namespace {
 using bvh::Quality;
 
 Quality choose(std::uint32_t spp, const char* device, double time_limit = 0.0, std::uint64_t triangles = 1'000'000) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = 1000, settings.height = 1000;
   settings.last_sample = spp;
   settings.time_limit = time_limit;

@@ -29,7 +29,7 @@ Range asked_for() {
 
 struct Way {
   std::string name;
-  RenderSettings settings;
+  RenderPlan settings;
   bool is_expected = false; // those that follow are compared with it
 };
 
@@ -37,13 +37,13 @@ class CrossCheck : public BidirectionalTest {
 protected:
   static std::vector<Way> ways(const BodyScene& made, std::uint32_t depth, std::uint32_t spp) {
     std::vector<Way> all;
-    RenderSettings path = path_settings(2 * spp, depth);
+    RenderPlan path = path_settings(2 * spp, depth);
     path.reuse = kReuseOff;
     all.push_back({"path", path, true});
-    RenderSettings guided = path;
-    guided.guide = true, guided.guide_iterations = 2;
+    RenderPlan guided = path;
+    guided.guide = true, guided.training.guide_iterations = 2;
     all.push_back({"path --guide", guided});
-    RenderSettings reuse = path;
+    RenderPlan reuse = path;
     reuse.reuse = kReuseOn;
     all.push_back({"path --reuse", reuse});
     // Without merging, which blurs: pixels are large here.
@@ -52,10 +52,10 @@ protected:
     if (all_alone) sets.insert(sets.end(), {kSplat, kLight});
     for (const std::uint32_t set : sets)
       all.push_back({fmt::format("bidirectional {:05b}", set), settings(spp, depth, set)});
-    for (Way& way : all) way.settings.aperture = made.aperture, way.settings.focus = 2.0;
+    for (Way& way : all) way.settings.lens.aperture = made.aperture, way.settings.lens.focus = 2.0;
     if (all_alone && !made.nested && made.aperture == 0.0) { // direct light is what it finds, too
       all.push_back({"path, once", path_settings(2 * spp, 1), true});
-      RenderSettings whitted = path_settings(spp, 1);
+      RenderPlan whitted = path_settings(spp, 1);
       whitted.integrator = &kWhitted, whitted.cutoff = 0.0;
       all.push_back({"whitted, once", whitted});
     }

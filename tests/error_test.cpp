@@ -32,7 +32,7 @@ const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
 // A scene that stays packed, and the kernels for it, for many renders.
 class Subject {
 public:
-  Subject(Device& device, const std::string& name, RenderSettings settings, float environment = 0.0f)
+  Subject(Device& device, const std::string& name, RenderPlan settings, float environment = 0.0f)
       : settings_(settings), device_(device), kernels_(device) {
     Scene scene = load_gltf(kScenes + name, {});
     if (environment > 0.0f) scene.environment.radiance = glm::vec3(environment);
@@ -43,12 +43,12 @@ public:
     packed_ = pack(scene, {.direct = settings.direct});
   }
   RenderResult render(std::uint32_t seed, std::uint32_t spp = 0) {
-    RenderSettings settings = settings_;
+    RenderPlan settings = settings_;
     settings.seed = seed;
     if (spp > 0) settings.last_sample = spp;
     return wavepath::render(device_, packed_, view_, settings, RenderHooks{}, kernels_);
   }
-  RenderSettings settings_;
+  RenderPlan settings_;
 
 private:
   Device& device_;
@@ -57,8 +57,8 @@ private:
   KernelCompiler kernels_;
 };
 
-RenderSettings small(std::uint32_t side, std::uint32_t spp) {
-  RenderSettings settings;
+RenderPlan small(std::uint32_t side, std::uint32_t spp) {
+  RenderPlan settings;
   settings.width = settings.height = side;
   settings.last_sample = spp;
   settings.max_depth = 4;
@@ -67,8 +67,8 @@ RenderSettings small(std::uint32_t side, std::uint32_t spp) {
 }
 
 // The corner of three planes under a white sky: every pixel is exactly 1/4, and a sample drawn by cosine is 0 or 1.
-RenderSettings corner(std::uint32_t side, std::uint32_t spp) {
-  RenderSettings settings = small(side, spp);
+RenderPlan corner(std::uint32_t side, std::uint32_t spp) {
+  RenderPlan settings = small(side, spp);
   settings.max_depth = 1;
   settings.direct = gpu::kDirectBsdf;
   settings.sampler = gpu::kSamplerIndependent;
@@ -142,7 +142,7 @@ TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   // pixel that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
   // (largest_sample_share).
   constexpr std::uint32_t kSide = kCornellSide, kSamples = 16, kReference = 128;
-  RenderSettings settings = small(kSide, kSamples);
+  RenderPlan settings = small(kSide, kSamples);
   settings.sampler = c.sampler;
   Subject subject(device(), c.scene, settings, c.environment);
   if (c.scene == std::string("cornell_box.gltf"))
@@ -177,7 +177,7 @@ TEST_P(WholeNetsCoverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam().subject;
   // 1024 measured pixels, a quarter of what pictures have whose nets stay whole by themselves.
   constexpr std::uint32_t kSide = 128, kReference = 64;
-  RenderSettings settings = small(kSide, GetParam().samples);
+  RenderPlan settings = small(kSide, GetParam().samples);
   settings.sampler = c.sampler;
   settings.whole_nets_from = 0;
   Subject subject(device(), c.scene, settings, c.environment);
@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WholeNetsCoverage,
 
 TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
   constexpr std::uint32_t kSide = 8, kRuns = 256;
-  RenderSettings settings = corner(kSide, 4096);
+  RenderPlan settings = corner(kSide, 4096);
   settings.target_error = 0.15; // relative to sqrt(0.25^2 + 0.01): near 100 samples a pixel
   Subject subject(device(), "analytic/occlusion_in_corner.gltf", settings, 1.0f);
   double sum = 0.0, variance = 0.0;
@@ -210,7 +210,7 @@ TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
 }
 
 TEST_F(ErrorTest, StopsBetweenPowersOfTwo) {
-  RenderSettings settings = small(32, 4096);
+  RenderPlan settings = small(32, 4096);
   settings.target_error = 0.08;
   Subject subject(device(), "cornell_box.gltf", settings);
   const RenderResult result = subject.render(0);
@@ -259,7 +259,7 @@ TEST_F(ErrorTest, AdaptiveRendersAreReproducible) {
 // The pilots of two depths would choose other levels, and then the two pictures differ by noise.
 TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   Scene scene = load_gltf(kScenes + "cornell_box.gltf", {});
-  RenderSettings settings = small(48, 16);
+  RenderPlan settings = small(48, 16);
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   const PackedScene packed = pack(scene, {.direct = settings.direct});
   KernelCompiler kernels(device());

@@ -324,8 +324,8 @@ std::string hatch_room() {
 
 class GuideTest : public VulkanTest {
 protected:
-  static RenderSettings settings(std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings(std::uint32_t spp) {
+    RenderPlan settings;
     settings.width = 32, settings.height = 24;
     settings.last_sample = spp;
     settings.max_depth = 6;
@@ -338,7 +338,7 @@ protected:
     view_ = resolve_view(scene, view, 32, 24);
     packed_ = pack(scene);
   }
-  RenderResult render(const RenderSettings& settings) {
+  RenderResult render(const RenderPlan& settings) {
     KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), packed_, view_, settings, RenderHooks{}, kernels);
   }
@@ -360,7 +360,7 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
   Mean plain, guided;
   for (std::uint32_t seed = 0; seed < kRenders; ++seed)
     for (const bool guide : {false, true}) {
-      RenderSettings asked = settings(128); // with fewer, unguided paths have not met rare light in every pixel
+      RenderPlan asked = settings(128); // with fewer, unguided paths have not met rare light in every pixel
       asked.seed = seed;
       asked.guide = guide;
       const RenderResult result = render(asked);
@@ -393,11 +393,11 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
 // As in error_test.cpp, by fewer seeds, of which each learns a field of its own.
 TEST_F(GuideTest, TheIntervalHoldsTheTrueError) {
   constexpr std::uint32_t kRuns = 12, kReference = 16;
-  RenderSettings coarse = settings(32);
+  RenderPlan coarse = settings(32);
   coarse.max_depth = 3;
   coarse.guide = true;
   coarse.filter = gpu::kFilterBox;
-  RenderSettings fine = coarse;
+  RenderPlan fine = coarse;
   fine.last_sample *= kReference, fine.seed = 1000000;
   const Coverage found = measure_coverage(render(fine).picture, kRuns, [&](std::uint32_t seed) {
     coarse.seed = seed;
@@ -410,7 +410,7 @@ TEST_F(GuideTest, TheIntervalHoldsTheTrueError) {
 }
 
 TEST_F(GuideTest, BitsDependNeitherOnWavesNorOnGenericKernels) {
-  RenderSettings asked = settings(8);
+  RenderPlan asked = settings(8);
   asked.guide = true;
   const RenderResult whole = render(asked);
   ASSERT_TRUE(whole.guide->used);
@@ -429,7 +429,7 @@ TEST_F(GuideTest, PilotDecides) {
   Scene furnace = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/inside_glowing_cube.gltf", {});
   packed_ = pack(furnace);
   view_ = resolve_view(furnace, {}, 32, 24);
-  RenderSettings asked = settings(8);
+  RenderPlan asked = settings(8);
   const RenderResult plain = render(asked);
   asked.guide = true;
   const RenderResult guided = render(asked);
@@ -501,7 +501,7 @@ TEST_F(GuidePilotTest, IsNoLongerWhereGuidingDoesNotPay) {
 }
 
 TEST(GuideIterations, AreMoreInLongRenders) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = 256, settings.height = 192;
   const auto iterations = [&](std::uint32_t spp) {
     settings.last_sample = spp;

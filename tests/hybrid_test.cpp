@@ -66,15 +66,15 @@ Scene parallel_planes(float gap) {
 
 class HybridTest : public VulkanTest {
 protected:
-  static RenderSettings settings(const IntegratorKind* integrator, std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings(const IntegratorKind* integrator, std::uint32_t spp) {
+    RenderPlan settings;
     settings.width = 24, settings.height = 16;
     settings.last_sample = spp;
     settings.max_depth = 1;
     settings.integrator = integrator;
     return settings;
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+  RenderResult render(const Subject& subject, const RenderPlan& settings) {
     KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
   }
@@ -119,7 +119,7 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
     const Subject subject(load(name, environment), 24, 16);
     std::vector<RenderResult> paths, frames;
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-      RenderSettings path = settings(&kPath, 16), hybrid = settings(&kHybrid, 16);
+      RenderPlan path = settings(&kPath, 16), hybrid = settings(&kHybrid, 16);
       path.seed = 2 * seed, hybrid.seed = 2 * seed + 1;
       hybrid.shadow_samples = 2;
       hybrid.first_hit = first_hit;
@@ -137,7 +137,7 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
 // traced.
 TEST_F(HybridTest, TracedFirstHitsAreTheRasterizedOnes) {
   const Subject subject(load("showcase.glb"), 96, 64);
-  RenderSettings one = settings(&kHybrid, 1);
+  RenderPlan one = settings(&kHybrid, 1);
   one.width = 96, one.height = 64;
   const auto picture = [&](std::uint32_t first_hit) {
     one.first_hit = first_hit;
@@ -153,7 +153,7 @@ TEST_F(HybridTest, TracedFirstHitsAreTheRasterizedOnes) {
 }
 
 TEST(FirstHits, AreTracedWhereThatIsFaster) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = settings.height = 100;
   const std::uint64_t few = 10'000, many = 10'001;
   const auto on = [](const char* type, const char* name) {
@@ -181,7 +181,7 @@ TEST_F(HybridTest, KnowsItsError) {
   for (const std::uint32_t shadow_samples : {1u, 2u, 3u}) {
     Mean estimated[3], actual[3];
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-      RenderSettings coarse = settings(&kHybrid, 8);
+      RenderPlan coarse = settings(&kHybrid, 8);
       coarse.shadow_samples = shadow_samples;
       coarse.seed = seed;
       const RenderResult result = render(subject, coarse);
@@ -205,7 +205,7 @@ TEST_F(HybridTest, KnowsItsError) {
 TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
   const Subject subject(load("analytic/half_hidden_disc_light.gltf"), 24, 16); // a plane alone: no edges in the picture
   const auto noise = [&](std::uint32_t samples) {
-    RenderSettings one = settings(&kHybrid, 4);
+    RenderPlan one = settings(&kHybrid, 4);
     one.sampler = gpu::kSamplerIndependent;
     one.shadow_samples = samples;
     const RenderResult result = render(subject, one);
@@ -225,7 +225,7 @@ TEST_F(HybridTest, OcclusionIsExact) {
   for (const auto& [name, expected] : oracles)
     for (const std::uint32_t samples : {1u, 5u}) {
       const Subject subject(load("analytic/occlusion_" + name + ".gltf"), 24, 16, {.yfov = 0.1});
-      RenderSettings ao = settings(&kAo, 64);
+      RenderPlan ao = settings(&kAo, 64);
       ao.ao_samples = samples;
       const Picture picture = render(subject, ao).picture;
       for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -242,7 +242,7 @@ TEST_F(HybridTest, OcclusionEndsAtItsRadius) {
   const Subject subject(parallel_planes(kGap), 24, 16);
   // Directions with cos > gap/radius meet the other plane: of the cosine-weighted hemisphere 1 - (gap/radius)^2.
   for (const double radius : {0.9, 1.25, 2.0, 5.0}) {
-    RenderSettings ao = settings(&kAo, 64);
+    RenderPlan ao = settings(&kAo, 64);
     ao.ao_samples = 4;
     ao.ao_radius = radius;
     const Picture picture = render(subject, ao).picture;
@@ -266,7 +266,7 @@ TEST_F(HybridTest, OcclusionAloneRunsNothingElse) {
 
 TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  RenderSettings hybrid = settings(&kHybrid, 1);
+  RenderPlan hybrid = settings(&kHybrid, 1);
   hybrid.max_depth = 8;
   hybrid.ambient = glm::vec3(0.25f, 0.5f, 1.0f);
   hybrid.aovs = {"albedo", "ao", "direct", "emission", "indirect"};
@@ -287,7 +287,7 @@ TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
 // In a closed white sphere of any shape the estimate is exact: L = direct / (1 - albedo).
 TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
   const Subject subject(load("analytic/point_light_in_sphere.gltf"), 24, 16);
-  RenderSettings hybrid = settings(&kHybrid, 4);
+  RenderPlan hybrid = settings(&kHybrid, 4);
   hybrid.max_depth = 8;
   const RenderResult result = render(subject, hybrid);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.ambient[c], 1.0, 0.02) << c; // as the scene's own oracle has it
@@ -296,7 +296,7 @@ TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
 // The pilot measures with rays of its own length and seed; the picture is that of the light which it found.
 TEST_F(HybridTest, EstimatingTheAmbientLightLeavesNoTrace) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  RenderSettings hybrid = settings(&kHybrid, 2);
+  RenderPlan hybrid = settings(&kHybrid, 2);
   hybrid.max_depth = 8;
   hybrid.aovs = {"ao"};
   const RenderResult estimated = render(subject, hybrid);
@@ -309,17 +309,17 @@ TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
   for (const char* name : {"cornell_box.gltf", "showcase.glb"}) {
     SCOPED_TRACE(name);
     const Subject subject(load(name, 0.3f), 24, 16);
-    RenderSettings whole = settings(&kHybrid, 6);
+    RenderPlan whole = settings(&kHybrid, 6);
     whole.max_depth = 4;
     whole.shadow_samples = 3, whole.ao_samples = 2;
     whole.aovs = {"albedo", "normal", "depth", "position", "ao"};
     const RenderResult expected = render(subject, whole);
     for (const std::uint32_t slots : {64u, 1000u}) {
-      RenderSettings cut = whole;
+      RenderPlan cut = whole;
       cut.wave_slots = slots;
       EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots;
     }
-    RenderSettings generic = whole;
+    RenderPlan generic = whole;
     generic.specialize = false;
     EXPECT_TRUE(*render(subject, generic).film == *expected.film);
     EXPECT_TRUE(*render(subject, whole).film == *expected.film);
@@ -329,7 +329,7 @@ TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
 // Paths in flight for one pixel alone, which takes a slot for every light sample.
 TEST_F(HybridTest, OnePixelHasRoomForItsLightSamples) {
   const Subject subject(parallel_planes(1.0f), 1, 1);
-  RenderSettings one = settings(&kHybrid, 1);
+  RenderPlan one = settings(&kHybrid, 1);
   one.width = one.height = 1;
   one.shadow_samples = kMostFrameRays;
   // By kernels of its own: those of other tests that would do as well may know of lobes whose samples point down.
@@ -340,10 +340,10 @@ TEST_F(HybridTest, OnePixelHasRoomForItsLightSamples) {
 
 TEST_F(HybridTest, PartsJoinToTheWhole) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  RenderSettings whole = settings(&kHybrid, 7);
+  RenderPlan whole = settings(&kHybrid, 7);
   whole.max_depth = 4;
   whole.shadow_samples = 2;
-  RenderSettings first = whole, second = whole;
+  RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 3;
   first.sample_total = second.sample_total = 7;
   Film joined = *render(subject, first).film;
@@ -353,11 +353,11 @@ TEST_F(HybridTest, PartsJoinToTheWhole) {
 
 TEST_F(HybridTest, ResumedRendersGiveTheSameBits) {
   const Subject subject(load("showcase.glb"), 24, 16);
-  RenderSettings whole = settings(&kHybrid, 6);
+  RenderPlan whole = settings(&kHybrid, 6);
   whole.max_depth = 4;
   KernelCompiler kernels(device());
   const RenderResult expected = wavepath::render(device(), subject.packed, subject.view, whole, RenderHooks{}, kernels);
-  RenderSettings half = whole;
+  RenderPlan half = whole;
   half.last_sample = 3, half.sample_total = 6;
   std::optional<RenderState> state;
   RenderHooks saving;

@@ -28,10 +28,10 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  using Fits = std::function<bool(const RenderSettings&)>;
+  using Fits = std::function<bool(const RenderPlan&)>;
   IntegratorChoice choose(
-      const std::string& file, RenderSettings settings, const ViewRequest& seen = {},
-      const Fits& fits = [](const RenderSettings&) { return true; }) {
+      const std::string& file, RenderPlan settings, const ViewRequest& seen = {},
+      const Fits& fits = [](const RenderPlan&) { return true; }) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, seen, settings.width, settings.height);
@@ -40,8 +40,8 @@ protected:
     PilotRunner pilots(device(), packed, view, *kernels_, on_device);
     return choose_integrator(pilots, settings, fits);
   }
-  static RenderSettings settings(std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings(std::uint32_t spp) {
+    RenderPlan settings;
     settings.integrator = &automatic_integrator();
     settings.last_sample = spp;
     settings.max_depth = 5;
@@ -66,14 +66,14 @@ TEST_F(IntegratorChoiceTest, TakesBidirectionalWhereALampIsBehindGlass) {
 }
 
 TEST_F(IntegratorChoiceTest, LeavesOutWhatDoesNotFitIntoMemory) {
-  const auto paths_alone = [](const RenderSettings& way) { return !way.guide && !way.integrator->splats; };
+  const auto paths_alone = [](const RenderPlan& way) { return !way.guide && !way.integrator->splats; };
   const IntegratorChoice alone = choose("caustics/bulb_point.glb", settings(64), {}, paths_alone);
   EXPECT_EQ(alone.settings.integrator, &kPath);
   EXPECT_TRUE(alone.trials.empty());
   EXPECT_EQ(choice_text(alone),
             "auto took path without a trial; there is too little memory for path --guide or "
             "bidirectional --techniques hit,light,connect,splat");
-  const auto no_guide = [](const RenderSettings& way) { return !way.guide; };
+  const auto no_guide = [](const RenderPlan& way) { return !way.guide; };
   const IntegratorChoice two = choose("caustics/bulb_point.glb", settings(64), {}, no_guide);
   EXPECT_EQ(two.settings.integrator, &kBidirectional);
   EXPECT_EQ(two.trials.size(), 2u);
@@ -91,7 +91,7 @@ TEST_F(IntegratorChoiceTest, TriesNothingElseWhereTheSceneIsEasy) {
 // A lamp with a body, which paths meet by chance: no light is missing for sure, but more than 300 % error says enough.
 TEST_F(IntegratorChoiceTest, TriesOthersEarlierWherePathTracingIsHopeless) {
   if (device().info().type != "cpu") GTEST_SKIP() << "compiling for a GPU is not worth it in a render this short";
-  RenderSettings small = settings(64);
+  RenderPlan small = settings(64);
   small.width = 256, small.height = 192, small.max_depth = 8;
   const IntegratorChoice choice = choose("caustics/bulb_lamp.glb", small);
   EXPECT_EQ(choice.trials.size(), 3u);
@@ -101,7 +101,7 @@ TEST_F(IntegratorChoiceTest, TriesOthersEarlierWherePathTracingIsHopeless) {
 // Between 10 and 100 % error, the others are tried where that takes a twentieth of the render, their kernels included.
 TEST_F(IntegratorChoiceTest, TriesOthersWhereThatIsASmallPart) {
   if (device().info().type != "cpu") GTEST_SKIP() << "how long a GPU takes for kernels nobody has timed";
-  RenderSettings small = settings(8000);
+  RenderPlan small = settings(8000);
   small.width = 64, small.height = 48;
   EXPECT_EQ(choose("showcase.glb", small).trials.size(), 1u);
   small.last_sample = 16000;
@@ -112,7 +112,7 @@ TEST_F(IntegratorChoiceTest, TriesOthersWhereThatIsASmallPart) {
 
 // Behind the door ajar guiding takes less than half of the work of the others; 16 samples often say otherwise.
 TEST_F(IntegratorChoiceTest, TriesThoseAgainThatMayBeAlike) {
-  RenderSettings small = settings(4096);
+  RenderPlan small = settings(4096);
   small.width = 64, small.height = 48, small.max_depth = 8;
   if (device().info().type != "cpu") small.last_sample = 1u << 22; // so long that compiling does not count
   std::size_t guided = 0;
@@ -127,19 +127,19 @@ TEST_F(IntegratorChoiceTest, TriesThoseAgainThatMayBeAlike) {
 }
 
 TEST_F(IntegratorChoiceTest, TriesNothingForAShortRender) {
-  RenderSettings small = settings(4);
+  RenderPlan small = settings(4);
   small.width = 64, small.height = 48;
   const IntegratorChoice choice = choose("caustics/bulb_point.glb", small);
   EXPECT_EQ(choice.settings.integrator, &kPath);
   EXPECT_TRUE(choice.trials.empty());
-  RenderSettings timed = settings(65536);
+  RenderPlan timed = settings(65536);
   timed.time_limit = device().info().type == "cpu" ? 1.0 : 0.01;
   EXPECT_TRUE(choose("caustics/bulb_point.glb", timed).trials.empty());
 }
 
 // Parts of a render choose alike: by the samples of the whole, not by their own.
 TEST_F(IntegratorChoiceTest, PartsChooseAsTheWholeDoes) {
-  RenderSettings part = settings(64);
+  RenderPlan part = settings(64);
   part.first_sample = 2, part.last_sample = 3, part.sample_total = 64;
   EXPECT_EQ(choose("caustics/bulb_point.glb", part).settings.integrator, &kBidirectional);
 }
@@ -147,18 +147,18 @@ TEST_F(IntegratorChoiceTest, PartsChooseAsTheWholeDoes) {
 // A small picture by the kernels of a large adaptive one, on one upload, has the bits of one by its own.
 TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
   Scene scene = load_gltf(kScenes + "cornell_box.gltf");
-  RenderSettings whole = settings(64);
+  RenderPlan whole = settings(64);
   whole.integrator = &kPath;
   whole.width = 256, whole.height = 192;
-  whole.tries_adaptive = true;
+  whole.looks_for_noise = true;
   const View view = resolve_view(scene, {}, whole.width, whole.height);
   const PackedScene packed = pack(scene, {.eye = view.position});
-  const RenderSettings small = small_picture(whole, 64, 4);
-  EXPECT_TRUE(small.room_for_whole_nets);
-  EXPECT_NE(small.added_features & gpu::kFeatureAdaptive, 0u);
-  RenderSettings own = small;
-  own.room_for_whole_nets = false;
-  own.added_features = 0;
+  const RenderPlan small = small_picture(whole, 64, 4);
+  EXPECT_TRUE(small.kernels.whole_nets);
+  EXPECT_NE(small.kernels.added & gpu::kFeatureAdaptive, 0u);
+  RenderPlan own = small;
+  own.kernels.whole_nets = false;
+  own.kernels.added = 0;
   KernelCompiler kernels(device());
   SceneOnDevice shared;
   const RenderResult first = render(device(), packed, view, small, {}, kernels, &shared);
@@ -177,10 +177,10 @@ TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
 TEST_F(IntegratorChoiceTest, DisagreementIsFoundAfterOneBounce) {
   for (const char* file : {"analytic/point_light.gltf", "caustics/bulb_point.glb"}) {
     Scene scene = load_gltf(kScenes + file);
-    RenderSettings path = settings(64);
+    RenderPlan path = settings(64);
     path.width = path.height = 16;
     path.integrator = &kPath;
-    RenderSettings whole = path, wrong = path;
+    RenderPlan whole = path, wrong = path;
     whole.integrator = wrong.integrator = &kBidirectional;
     wrong.techniques = gpu::kTechniqueConnect;
     const View view = resolve_view(scene, {}, path.width, path.height);
@@ -200,7 +200,7 @@ TEST_F(IntegratorChoiceTest, DisagreementIsFoundAfterOneBounce) {
 TEST_F(IntegratorChoiceTest, PicturesThatDifferBothWaysAreFound) {
   Scene scene = load_gltf(kScenes + "cornell_box.gltf");
   const auto film = [&](std::uint32_t seed, std::uint32_t depth, bool mirrored) {
-    RenderSettings asked = settings(16);
+    RenderPlan asked = settings(16);
     asked.width = asked.height = 32;
     asked.integrator = &kPath;
     asked.seed = seed;
@@ -217,7 +217,7 @@ TEST_F(IntegratorChoiceTest, PicturesThatDifferBothWaysAreFound) {
 }
 
 TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {
-  RenderSettings path = settings(64);
+  RenderPlan path = settings(64);
   path.integrator = &kPath;
   const IntegratorChoice choice = choose("cornell_box.gltf", path);
   EXPECT_EQ(choice.settings.integrator, &kPath);
@@ -227,17 +227,16 @@ TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {
 TEST(FireflyRemedy, IsWhatFindsTheirLightByDesign) {
   const auto tells = [](const std::string& words, const std::string& file, const auto& change) {
     Scene scene = load_gltf(kScenes + file);
-    RenderSettings settings;
+    RenderPlan settings;
     settings.integrator = &kPath;
     change(settings);
     return firefly_remedy(settings, pack(scene, {})).find(words) != std::string::npos;
   };
-  const auto unchanged = [](RenderSettings&) {};
+  const auto unchanged = [](RenderPlan&) {};
   EXPECT_TRUE(tells("--integrator bidirectional", "caustics/mirror_caustic.glb", unchanged));
   EXPECT_TRUE(tells("--guide", "cornell_box.gltf", unchanged));
-  EXPECT_TRUE(tells("--direct mis", "cornell_box.gltf", [](RenderSettings& s) { s.direct = gpu::kDirectBsdf; }));
-  EXPECT_TRUE(
-      tells("look for", "caustics/mirror_caustic.glb", [](RenderSettings& s) { s.integrator = &kBidirectional; }));
+  EXPECT_TRUE(tells("--direct mis", "cornell_box.gltf", [](RenderPlan& s) { s.direct = gpu::kDirectBsdf; }));
+  EXPECT_TRUE(tells("look for", "caustics/mirror_caustic.glb", [](RenderPlan& s) { s.integrator = &kBidirectional; }));
 }
 
 } // namespace

@@ -60,7 +60,7 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
 }
 
 TEST(KernelConfig, FollowsSceneAndSettings) {
-  RenderSettings settings;
+  RenderPlan settings;
   EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings),
             kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
@@ -117,7 +117,7 @@ protected:
     for (std::size_t c = 0; c < a.channels.size(); ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
   }
 
-  RenderSettings settings_;
+  RenderPlan settings_;
   PackedScene packed_;
   View view_;
 };

@@ -50,7 +50,7 @@ Scene room_with_sky(bool pane) {
 
 class LearnedSky : public LightRooms {
 protected:
-  static Subject seen(Scene scene, const RenderSettings& settings) {
+  static Subject seen(Scene scene, const RenderPlan& settings) {
     ViewRequest request;
     request.eye = glm::dvec3(0.3, 0.1, 4.5);
     request.look_at = glm::dvec3(0.0, -0.2, 0.0);
@@ -69,16 +69,16 @@ TEST_F(LearnedSky, EveryEstimatorGivesTheSamePicture) {
   for (const Case& c : {Case{false, gpu::kDirectMis, 4}, {false, gpu::kDirectNee, 1}, {true, gpu::kDirectMis, 1}}) {
     SCOPED_TRACE(std::to_string(c.pane) + " " + std::to_string(c.direct) + " " + std::to_string(c.samples));
     std::optional<MeanPicture>& reference = c.pane ? glazed : open;
-    const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 512);
+    const RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 512);
     if (!reference) reference = average(seen(room_with_sky(c.pane), power), power);
-    RenderSettings learned = settings(gpu::kLightsAuto, c.direct, 512);
+    RenderPlan learned = settings(gpu::kLightsAuto, c.direct, 512);
     learned.light_samples = c.samples;
     expect_same(*reference, average(seen(room_with_sky(c.pane), learned), learned));
   }
 }
 
 TEST_F(LearnedSky, GuidedPathsKeepThePicture) {
-  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64), guided = power;
+  RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 64), guided = power;
   guided.lights = gpu::kLightsAuto;
   guided.guide = true;
   expect_same(average(seen(room_with_sky(false), power), power), average(seen(room_with_sky(false), guided), guided));
@@ -86,7 +86,7 @@ TEST_F(LearnedSky, GuidedPathsKeepThePicture) {
 
 TEST_F(LearnedSky, LessNoiseWhereMostOfTheMapIsHidden) {
   const auto noise = [&](std::uint32_t lights) {
-    const RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
+    const RenderPlan asked = settings(lights, gpu::kDirectMis, 32);
     const MeanPicture picture = average(seen(room_with_sky(false), asked), asked);
     return std::accumulate(picture.variance.begin(), picture.variance.end(), 0.0);
   };
@@ -95,7 +95,7 @@ TEST_F(LearnedSky, LessNoiseWhereMostOfTheMapIsHidden) {
 
 // The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
 TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
-  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject room = seen(room_with_sky(true), whole);
   const RenderResult expected = render(room, whole);
   EXPECT_GT(expected.light_pilot.sky_rows, 20u);
@@ -106,7 +106,7 @@ TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
 
 // With many lamps besides, whose shares lie before those of the sky.
 TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
-  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
   EXPECT_GT(expected.light_pilot.rows, 20u);
@@ -116,18 +116,18 @@ TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
 
 // As small pictures beside a render do, and the path of `--pixel`.
 TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
-  RenderSettings asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
+  RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
   const Subject room = seen(room_with_sky(false), asked);
   SceneOnDevice shared;
   const RenderResult expected = render(room, asked, {}, &shared);
   ASSERT_GT(expected.light_pilot.paths, 0u);
   ASSERT_TRUE(shared.light_shares);
-  asked.light_shares = shared.light_shares;
+  asked.training.found = shared.light_shares;
   const RenderResult taught = render(room, asked, {}, &shared);
   EXPECT_EQ(taught.light_pilot.paths, 0u);
   EXPECT_TRUE(*taught.film == *expected.film) << "the same shares, hence the same bits";
 
-  RenderSettings one = asked; // the box filter keeps a sample in its pixel
+  RenderPlan one = asked; // the box filter keeps a sample in its pixel
   one.last_sample = 1;
   one.filter = gpu::kFilterBox;
   const Picture picture = render(room, one, {}, &shared).picture;
@@ -141,18 +141,18 @@ TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
 
 // The small pictures of `bias` are rendered by another integrator as well.
 TEST_F(LearnedSky, TakersTakeTheirPartOfALesson) {
-  RenderSettings path = settings(gpu::kLightsAuto, gpu::kDirectMis, 4), both = path;
+  RenderPlan path = settings(gpu::kLightsAuto, gpu::kDirectMis, 4), both = path;
   both.integrator = &kBidirectional; // knows lights alone
   const Subject rooms = subject(two_rooms(40, true), path);
   const LightShares whole = render(rooms, path).light_pilot.shares;
   ASSERT_TRUE(whole.lights && whole.sky);
-  both.light_shares = whole;
+  both.training.found = whole;
   const RenderResult taught = render(rooms, both);
   EXPECT_EQ(taught.light_pilot.paths, 0u);
-  both.light_shares.sky = nullptr;
+  both.training.found.sky = nullptr;
   EXPECT_TRUE(*render(rooms, both).film == *taught.film);
   const RenderResult alone = render(rooms, path);
-  path.light_shares.lights = whole.lights; // no sky: it learns anew
+  path.training.found.lights = whole.lights; // no sky: it learns anew
   EXPECT_GT(render(rooms, path).light_pilot.sky_rows, 20u);
   EXPECT_TRUE(*render(rooms, path).film == *alone.film);
 }
@@ -161,10 +161,10 @@ TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
   Scene constant = room_with_sky(false);
   constant.environment.map.clear();
   constant.environment.width = constant.environment.height = 0;
-  const RenderSettings automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
+  const RenderPlan automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
   EXPECT_EQ(render(seen(constant, automatic), automatic).light_pilot.paths, 0u);
   const auto is_asked = [&](std::uint32_t lights, std::uint32_t direct, const IntegratorKind& integrator) {
-    RenderSettings asked = settings(lights, direct);
+    RenderPlan asked = settings(lights, direct);
     asked.integrator = &integrator;
     const Subject room = seen(room_with_sky(false), asked);
     return (kernel_config(room.packed.features | features_of(asked), room.packed.stack_size, asked).features &
@@ -179,7 +179,7 @@ TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
 }
 
 TEST(LightPilot, IsLongerWhereTheRenderIs) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = 256, settings.height = 192;
   const double pixels = 256.0 * 192.0;
   const auto samples = [&](std::uint32_t spp) { // of a pixel
@@ -205,16 +205,16 @@ TEST(LightPilot, IsLongerWhereTheRenderIs) {
 
 // More samples of each pixel, or a smaller picture.
 TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
-  RenderSettings asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 1);
+  RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 1);
   asked.width = 200, asked.height = 30;
   const Subject room = seen(room_with_sky(false), asked);
   for (const std::uint64_t paths : {700u, 5999u, 6000u, 6001u, 30'000u, 100'000u}) {
-    asked.light_pilot_paths = paths;
+    asked.training.paths = paths;
     EXPECT_NEAR(static_cast<double>(render(room, asked).light_pilot.paths), paths, 0.05 * paths);
   }
-  asked.light_pilot_paths = 1;
+  asked.training.paths = 1;
   EXPECT_LE(render(room, asked).light_pilot.paths, 3u) << "sides have a pixel at least";
-  asked.light_pilot_paths = 0;
+  asked.training.paths = 0;
   EXPECT_EQ(render(room, asked).light_pilot.paths, 10u * 6000u) << "of parts: as many samples as 65,536 paths hold";
 }
 

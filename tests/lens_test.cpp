@@ -43,22 +43,22 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  static RenderSettings settings(const Lens& lens, std::uint32_t spp, const IntegratorKind& integrator = kPath) {
-    RenderSettings asked;
+  static RenderPlan settings(const Lens& lens, std::uint32_t spp, const IntegratorKind& integrator = kPath) {
+    RenderPlan asked;
     asked.width = asked.height = kSide;
     asked.last_sample = spp;
     asked.max_depth = 0;
     asked.filter = gpu::kFilterBox;
     asked.integrator = &integrator;
-    asked.aperture = lens.aperture, asked.focus = lens.focus, asked.blades = lens.blades;
+    asked.lens.aperture = lens.aperture, asked.lens.focus = lens.focus, asked.lens.blades = lens.blades;
     return asked;
   }
-  RenderResult render(Scene scene, const RenderSettings& asked, bool orthographic) {
+  RenderResult render(Scene scene, const RenderPlan& asked, bool orthographic) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     const PackedScene packed = pack(scene);
     return wavepath::render(device(), packed, view_along_z(orthographic), asked, RenderHooks{}, *kernels_);
   }
-  std::vector<float> red(const Scene& scene, const RenderSettings& asked, bool orthographic) {
+  std::vector<float> red(const Scene& scene, const RenderPlan& asked, bool orthographic) {
     return render(scene, asked, orthographic).picture.channels[0].values;
   }
 };
@@ -162,7 +162,7 @@ TEST_F(LensTest, LosesNoEnergy) {
     for (const bool orthographic : {false, true})
       for (const std::uint32_t blades : {0u, 5u}) {
         SCOPED_TRACE(testing::Message() << kind->name << (orthographic ? " orthographic " : " perspective ") << blades);
-        RenderSettings asked = settings({.aperture = 1.0, .blades = blades}, 32, *kind);
+        RenderPlan asked = settings({.aperture = 1.0, .blades = blades}, 32, *kind);
         asked.max_depth = 1;
         const auto image = red(scene, asked, orthographic);
         EXPECT_NEAR(sum_of(image) / (kSide * kSide), 1.0, 0.005);
@@ -184,7 +184,7 @@ TEST_F(LensTest, FocusesOnTheMiddleByItself) {
 
 // Depth and position are those of what the ray through the lens meets.
 TEST_F(LensTest, AovsAreOfTheRayThroughTheLens) {
-  RenderSettings asked = settings({.aperture = 0.1}, 8);
+  RenderPlan asked = settings({.aperture = 0.1}, 8);
   asked.aovs = {"depth"};
   const Picture picture = render(disc_scene(3.0, 10.0), asked, false).picture;
   for (const float depth : find_channel(picture, "Z")->values) ASSERT_NEAR(depth, 3.0f, 1e-5f);
@@ -192,7 +192,7 @@ TEST_F(LensTest, AovsAreOfTheRayThroughTheLens) {
 
 TEST_F(LensTest, SameBitsHoweverTheWorkIsCut) {
   const Scene scene = disc_scene(1.2, 0.2);
-  RenderSettings asked = settings({.blades = 7}, 5);
+  RenderPlan asked = settings({.blades = 7}, 5);
   const RenderResult expected = render(scene, asked, false);
   asked.wave_slots = 700;
   EXPECT_TRUE(*render(scene, asked, false).film == *expected.film);
@@ -207,7 +207,7 @@ TEST_F(LensTest, PointsOnTheLensAreStratified) {
   const Scene scene = disc_scene(6.0, 0.9);
   const auto variance = [&](std::uint32_t sampler, std::uint32_t spp, std::uint32_t blades) {
     constexpr std::uint32_t kSeeds = 6;
-    RenderSettings asked = settings({.aperture = 0.9, .focus = 1.0, .blades = blades}, spp);
+    RenderPlan asked = settings({.aperture = 0.9, .focus = 1.0, .blades = blades}, spp);
     asked.sampler = sampler;
     asked.whole_nets_from = 0;
     std::vector<double> sum(kSide * kSide), squares(kSide * kSide);

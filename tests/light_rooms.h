@@ -89,8 +89,8 @@ protected:
   static void TearDownTestSuite() { kernels_.reset(); }
   static inline std::unique_ptr<KernelCompiler> kernels_; // of all tests: compiles each of them once
 
-  static RenderSettings settings(std::uint32_t lights, std::uint32_t direct, std::uint32_t spp = 64) {
-    RenderSettings settings;
+  static RenderPlan settings(std::uint32_t lights, std::uint32_t direct, std::uint32_t spp = 64) {
+    RenderPlan settings;
     settings.width = 24, settings.height = 16;
     settings.last_sample = spp;
     settings.max_depth = 3;
@@ -99,25 +99,25 @@ protected:
     settings.direct = direct;
     return settings;
   }
-  static Subject subject(Scene scene, const RenderSettings& settings) {
+  static Subject subject(Scene scene, const RenderPlan& settings) {
     ViewRequest request;
     request.eye = glm::dvec3(-1.8, 0.1, 5.0);
     request.look_at = glm::dvec3(-1.2, 0.0, 0.0);
     return {pack(scene, {.direct = settings.direct, .eye = request.eye, .lights = settings.lights}),
             resolve_view(scene, request, settings.width, settings.height)};
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {},
+  RenderResult render(const Subject& subject, const RenderPlan& settings, const RenderHooks& hooks = {},
                       SceneOnDevice* shared = nullptr) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_, shared);
   }
-  MeanPicture average(const Subject& subject, const RenderSettings& settings) {
-    return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });
+  MeanPicture average(const Subject& subject, const RenderPlan& settings) {
+    return mean_picture(settings, [&](const RenderPlan& seeded) { return render(subject, seeded); });
   }
   static void expect_same(const MeanPicture& a, const MeanPicture& b) { expect_same_mean(a, b, 0.5, 0.01); }
   // Whatever the waves are long, with generic kernels, and in two parts.
-  void expect_same_film_however_cut(const Subject& subject, const RenderSettings& whole, const Film& expected) {
-    RenderSettings cut = whole, generic = whole, first = whole, second = whole;
+  void expect_same_film_however_cut(const Subject& subject, const RenderPlan& whole, const Film& expected) {
+    RenderPlan cut = whole, generic = whole, first = whole, second = whole;
     cut.wave_slots = 777;
     EXPECT_TRUE(*render(subject, cut).film == expected) << "short waves";
     generic.specialize = false;
@@ -129,7 +129,7 @@ protected:
     EXPECT_TRUE(joined == expected) << "two parts";
   }
   // Interrupted after half of its samples and resumed.
-  void expect_same_film_resumed(const Subject& subject, const RenderSettings& whole, const Film& expected) {
+  void expect_same_film_resumed(const Subject& subject, const RenderPlan& whole, const Film& expected) {
     std::optional<RenderState> state;
     RenderHooks hooks;
     hooks.progress = [&](const Progress& now) { return now.spp_done < whole.last_sample / 2; };

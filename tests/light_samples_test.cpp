@@ -11,8 +11,8 @@
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
-#include "host/render/settings/light_samples.h"
 #include "host/plan/sky_samples.h"
+#include "host/render/settings/light_samples.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {
@@ -20,9 +20,8 @@ namespace {
 
 class LightSamples : public LightRooms {
 protected:
-  static RenderSettings asked(std::uint32_t light_samples, std::uint32_t direct = gpu::kDirectMis,
-                              std::uint32_t spp = 64) {
-    RenderSettings result = settings(gpu::kLightsPower, direct, spp); // without the pilot that a map has otherwise
+  static RenderPlan asked(std::uint32_t light_samples, std::uint32_t direct = gpu::kDirectMis, std::uint32_t spp = 64) {
+    RenderPlan result = settings(gpu::kLightsPower, direct, spp); // without the pilot that a map has otherwise
     result.light_samples = light_samples;
     return result;
   }
@@ -59,11 +58,11 @@ Scene floor_under_map() {
 TEST_F(LightSamples, AnyNumberGivesTheSamePicture) {
   const std::vector<Scene> scenes = {two_rooms(40, true), glazed_rooms(), floor_under_map()};
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const RenderSettings one = asked(1, gpu::kDirectMis, 128);
+    const RenderPlan one = asked(1, gpu::kDirectMis, 128);
     const MeanPicture reference = average(subject(scenes[i], one), one);
     for (const auto& [direct, more] : {std::pair{gpu::kDirectMis, 3u}, {gpu::kDirectMis, 8u}, {gpu::kDirectNee, 8u}}) {
       SCOPED_TRACE(std::to_string(i) + " " + std::to_string(direct) + " " + std::to_string(more));
-      const RenderSettings other = asked(more, direct);
+      const RenderPlan other = asked(more, direct);
       expect_same(reference, average(subject(scenes[i], other), other));
     }
   }
@@ -71,7 +70,7 @@ TEST_F(LightSamples, AnyNumberGivesTheSamePicture) {
 
 TEST_F(LightSamples, LessNoiseUnderAMap) {
   const auto noise = [&](std::uint32_t light_samples) {
-    const RenderSettings settings = asked(light_samples, gpu::kDirectMis, 16);
+    const RenderPlan settings = asked(light_samples, gpu::kDirectMis, 16);
     double sum = 0.0;
     for (const double v : average(subject(floor_under_map(), settings), settings).variance) sum += v;
     return sum;
@@ -83,7 +82,7 @@ TEST_F(LightSamples, LessNoiseUnderAMap) {
 
 TEST_F(LightSamples, BitsDoNotDependOnHowTheWorkIsCut) {
   for (const std::uint32_t sampler : {gpu::kSamplerSobol, gpu::kSamplerStratified, gpu::kSamplerIndependent}) {
-    RenderSettings whole = asked(4, gpu::kDirectMis, 16);
+    RenderPlan whole = asked(4, gpu::kDirectMis, 16);
     whole.sampler = sampler;
     const Subject rooms = subject(two_rooms(40, true), whole);
     const RenderResult expected = render(rooms, whole);
@@ -101,14 +100,14 @@ TEST_F(LightSamples, HalfAsManyAtEachBounce) {
 }
 
 TEST_F(LightSamples, AutoTakesMoreUnderAMapAlone) {
-  const RenderSettings automatic = asked(0);
+  const RenderPlan automatic = asked(0);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), kLightSamplesOfMaps);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironmentMap | gpu::kLobeSheen), kFewLightSamplesOfMaps);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironmentMap | gpu::kFeatureLightTree), kFewLightSamplesOfMaps);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureTriangleLights), 1u);
   EXPECT_EQ(light_samples_of(asked(0, gpu::kDirectBsdf), gpu::kFeatureEnvironmentMap), 1u) << "there are none";
   EXPECT_EQ(light_samples_of(asked(3), 0), 3u);
-  RenderSettings other = asked(3);
+  RenderPlan other = asked(3);
   other.integrator = &kBidirectional;
   EXPECT_EQ(light_samples_of(other, gpu::kFeatureEnvironmentMap), 1u);
 
@@ -122,7 +121,7 @@ TEST_F(LightSamples, AutoTakesMoreUnderAMapAlone) {
 
 // A floor alone is hit but once, so that each light sample is one shadow ray, but for those below the horizon.
 TEST_F(LightSamples, EachIsAShadowRay) {
-  const RenderSettings one = asked(1), four = asked(4);
+  const RenderPlan one = asked(1), four = asked(4);
   const Subject open = subject(floor_under_map(), one);
   const double ratio =
       static_cast<double>(render(open, four).rays.shadow) / static_cast<double>(render(open, one).rays.shadow);
@@ -139,7 +138,7 @@ TEST_F(LightSamples, TakesRoomForItsQueues) {
 
 // The density of a direction is that of the scattering alone, however many light samples there are, also behind panes.
 TEST_F(LightSamples, ReplayTellsTheSameDensities) {
-  const RenderSettings one = asked(1, gpu::kDirectMis, 1), four = asked(4, gpu::kDirectMis, 1);
+  const RenderPlan one = asked(1, gpu::kDirectMis, 1), four = asked(4, gpu::kDirectMis, 1);
   const Subject rooms = subject(glazed_rooms(), one);
   render(rooms, one); // begins the kernels
   PathReplay single(device(), rooms.packed, rooms.view, one, *kernels_),
@@ -160,15 +159,15 @@ TEST_F(LightSamples, ReplayTellsTheSameDensities) {
 
 // A path that is followed by itself has the bits that it has in the picture.
 TEST_F(LightSamples, ReplayTellsOfEach) {
-  RenderSettings whole = asked(4, gpu::kDirectMis, 1);
+  RenderPlan whole = asked(4, gpu::kDirectMis, 1);
   whole.lights = gpu::kLightsAuto;
   std::size_t most = 0;
   for (const Scene& scene : {two_rooms(4, true), floor_under_map()}) {
     const Subject shown = subject(scene, whole);
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
-    RenderSettings taught = whole;
-    taught.light_shares = rendered.light_pilot.shares;
+    RenderPlan taught = whole;
+    taught.training.found = rendered.light_pilot.shares;
     PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
@@ -185,9 +184,9 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
 
 // ---- a sky of one colour --------------------------------------------------------------------------------------------
 
-RenderSettings with_sky_samples(RenderSettings settings, std::uint32_t sky_samples, bool learns = true) {
+RenderPlan with_sky_samples(RenderPlan settings, std::uint32_t sky_samples, bool learns = true) {
   settings.sky_samples = sky_samples;
-  settings.learns_sky = learns;
+  settings.training.one_colour = learns;
   if (learns) settings.lights = gpu::kLightsAuto;
   return settings;
 }
@@ -208,18 +207,18 @@ Scene rooms_under_a_sky(int lamps) {
 TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
   const std::vector<Scene> scenes = {rooms_under_a_sky(4), rooms_under_a_sky(40), rooms_under_a_sky(0)};
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const RenderSettings one = with_sky_samples(asked(1, gpu::kDirectMis, 128), 1, false);
+    const RenderPlan one = with_sky_samples(asked(1, gpu::kDirectMis, 128), 1, false);
     const MeanPicture reference = average(subject(scenes[i], one), one);
     for (const auto& [more, learns] : {std::pair{2u, false}, {8u, false}, {8u, true}}) {
       SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more) + (learns ? " learned" : ""));
-      const RenderSettings other = with_sky_samples(asked(1), more, learns);
+      const RenderPlan other = with_sky_samples(asked(1), more, learns);
       expect_same(reference, average(subject(scenes[i], other), other));
     }
     // The density that a path keeps is divided among several light samples.
-    const RenderSettings lit = with_sky_samples(asked(4), 5);
+    const RenderPlan lit = with_sky_samples(asked(4), 5);
     expect_same(reference, average(subject(scenes[i], lit), lit));
     if (i > 0) continue;
-    RenderSettings guided = with_sky_samples(asked(1), 5); // the density of guided directions is weighed as well
+    RenderPlan guided = with_sky_samples(asked(1), 5); // the density of guided directions is weighed as well
     guided.guide = true;
     expect_same(reference, average(subject(scenes[i], guided), guided));
   }
@@ -227,7 +226,7 @@ TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
 
 TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
   const auto noise = [&](std::uint32_t sky_samples, bool learns) {
-    const RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples, learns);
+    const RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples, learns);
     double sum = 0.0;
     for (const double v : average(subject(rooms_under_a_sky(0), settings), settings).variance) sum += v;
     return sum;
@@ -241,7 +240,7 @@ TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
 TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   const Subject rooms = subject(rooms_under_a_sky(0), with_sky_samples(asked(1), 4));
   const auto rendered = [&](std::uint32_t sky_samples, bool learns, std::uint32_t lights) {
-    RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 4), sky_samples, learns);
+    RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 4), sky_samples, learns);
     settings.lights = lights;
     return render(rooms, settings);
   };
@@ -251,13 +250,13 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   EXPECT_FALSE(*learned.film == *unlearned.film);
   EXPECT_TRUE(*rendered(4, true, gpu::kLightsPower).film == *unlearned.film);
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
-  RenderSettings brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
-  brief.light_pilot_paths = 1000;
+  RenderPlan brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
+  brief.training.paths = 1000;
   EXPECT_GT(render(rooms, brief).light_pilot.sky_rows, 0u) << "renders of any length learn";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
-  const RenderSettings whole = with_sky_samples(asked(1, gpu::kDirectMis, 16), 4);
+  const RenderPlan whole = with_sky_samples(asked(1, gpu::kDirectMis, 16), 4);
   const Subject rooms = subject(rooms_under_a_sky(4), whole);
   const RenderResult expected = render(rooms, whole);
   expect_same_film_however_cut(rooms, whole, *expected.film);
@@ -265,14 +264,14 @@ TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
 
 // A path that is followed by itself has the bits that it has in the picture, and shows its shadow rays to the sky.
 TEST_F(LightSamples, ReplayTellsOfSkySamples) {
-  const RenderSettings whole = with_sky_samples(asked(1, gpu::kDirectMis, 1), 4);
+  const RenderPlan whole = with_sky_samples(asked(1, gpu::kDirectMis, 1), 4);
   std::size_t most = 0;
   for (const int lamps : {0, 4}) {
     const Subject shown = subject(rooms_under_a_sky(lamps), whole);
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
-    RenderSettings taught = whole;
-    taught.light_shares = rendered.light_pilot.shares;
+    RenderPlan taught = whole;
+    taught.training.found = rendered.light_pilot.shares;
     PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
@@ -287,15 +286,15 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
 
 // Kernels that bear any number take one as those do that know nothing of it.
 TEST_F(LightSamples, KernelsForAnyNumberOfSkySamplesTakeOne) {
-  const RenderSettings plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);
-  RenderSettings trying = plain;
-  trying.tries_sky = true;
+  const RenderPlan plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);
+  RenderPlan trying = plain;
+  trying.kernels.sky_samples = true;
   const Subject rooms = subject(rooms_under_a_sky(0), plain);
   EXPECT_TRUE(*render(rooms, plain).film == *render(rooms, trying).film);
 }
 
 TEST_F(LightSamples, SkySamplesAreForASkyOfOneColour) {
-  const RenderSettings four = with_sky_samples(asked(1), 4);
+  const RenderPlan four = with_sky_samples(asked(1), 4);
   EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment), 4u);
   EXPECT_EQ(sky_samples_of(four, 0), 1u) << "there is none";
   EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), 1u);
@@ -308,7 +307,7 @@ TEST_F(LightSamples, SkySamplesAreForASkyOfOneColour) {
 
 TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   const auto choose = [&](const Scene& scene, std::uint32_t spp) {
-    RenderSettings settings = with_sky_samples(asked(0, gpu::kDirectMis, spp), 0);
+    RenderPlan settings = with_sky_samples(asked(0, gpu::kDirectMis, spp), 0);
     settings.width = settings.height = 64;
     const Subject shown = subject(scene, settings);
     if (!kernels_) render(shown, settings); // begins the kernels

@@ -28,12 +28,12 @@ class LightSelection : public LightRooms {};
 
 TEST_F(LightSelection, AllGiveTheSamePicture) {
   for (const bool distant : {false, true}) {
-    const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 128);
+    const RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 128);
     const MeanPicture reference = average(subject(two_rooms(40, distant), power), power);
     for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee})
       for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsLearned}) {
         SCOPED_TRACE(std::to_string(direct) + " " + std::to_string(lights) + " " + std::to_string(distant));
-        const RenderSettings other = settings(lights, direct, 128);
+        const RenderPlan other = settings(lights, direct, 128);
         const Subject rooms = subject(two_rooms(40, distant), other);
         ASSERT_TRUE(rooms.packed.features & gpu::kFeatureLightTree);
         expect_same(reference, average(rooms, other));
@@ -42,19 +42,19 @@ TEST_F(LightSelection, AllGiveTheSamePicture) {
 }
 
 TEST_F(LightSelection, HybridPicksByTheTree) {
-  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64),
-                 tree = settings(gpu::kLightsAuto, gpu::kDirectMis, 64);
+  RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 64),
+             tree = settings(gpu::kLightsAuto, gpu::kDirectMis, 64);
   power.integrator = tree.integrator = &kHybrid;
   power.max_depth = tree.max_depth = 1;
   expect_same(average(subject(two_rooms(40, true), power), power), average(subject(two_rooms(40, true), tree), tree));
 }
 
 TEST_F(LightSelection, BidirectionalPicksByThem) {
-  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64);
+  RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 64);
   const MeanPicture reference = average(subject(two_rooms(40, true), power), power);
   for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsAuto}) {
     SCOPED_TRACE(lights);
-    RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
+    RenderPlan asked = settings(lights, gpu::kDirectMis, 32);
     asked.integrator = &kBidirectional;
     expect_same(reference, average(subject(two_rooms(40, true), asked), asked));
   }
@@ -66,9 +66,9 @@ TEST_F(LightSelection, DiffuseTransmissionIsLitFromBothSides) {
   rooms.materials[0].diffuse_transmission = 0.5f;
   for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
     SCOPED_TRACE(integrator->name);
-    RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 256);
+    RenderPlan power = settings(gpu::kLightsPower, gpu::kDirectMis, 256);
     power.integrator = integrator;
-    RenderSettings tree = power;
+    RenderPlan tree = power;
     tree.lights = gpu::kLightsTree;
     expect_same(average(subject(rooms, power), power), average(subject(rooms, tree), tree));
   }
@@ -76,7 +76,7 @@ TEST_F(LightSelection, DiffuseTransmissionIsLitFromBothSides) {
 
 TEST_F(LightSelection, LessNoiseThanByPower) {
   const auto noise = [&](const IntegratorKind& integrator, std::uint32_t lights) {
-    RenderSettings asked = settings(lights, gpu::kDirectMis);
+    RenderPlan asked = settings(lights, gpu::kDirectMis);
     asked.integrator = &integrator;
     double sum = 0.0;
     for (const double v : average(subject(two_rooms(200, true), asked), asked).variance) sum += v;
@@ -94,14 +94,14 @@ TEST_F(LightSelection, LessNoiseThanByPower) {
 // looks at the floor from below all lamps, whose edges would be most of the error.
 TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
   constexpr std::uint32_t kRuns = 16, kReference = 32;
-  RenderSettings coarse = settings(gpu::kLightsLearned, gpu::kDirectMis, 16);
+  RenderPlan coarse = settings(gpu::kLightsLearned, gpu::kDirectMis, 16);
   coarse.width = coarse.height = 32;
   coarse.filter = gpu::kFilterBox;
   const ViewRequest below{.eye = glm::dvec3(-1.0, -0.7, 0.5), .look_at = glm::dvec3(-1.0, -1.0, 0.4), .yfov = 1.2};
   Scene scene = two_rooms(40, true);
   const Subject rooms{pack(scene, {.eye = below.eye, .lights = coarse.lights}),
                       resolve_view(scene, below, coarse.width, coarse.height)};
-  RenderSettings fine = coarse;
+  RenderPlan fine = coarse;
   fine.last_sample *= kReference, fine.seed = 1000000;
   const Coverage found = measure_coverage(render(rooms, fine).picture, kRuns, [&](std::uint32_t seed) {
     coarse.seed = seed;
@@ -116,7 +116,7 @@ TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
 
 // The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
 TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
-  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
   EXPECT_GT(expected.light_pilot.rows, 20u);
@@ -128,14 +128,14 @@ TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
 TEST_F(LightSelection, PicturesBesideARenderTakeOverItsLesson) {
   for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
     SCOPED_TRACE(integrator->name);
-    RenderSettings asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
+    RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
     asked.integrator = integrator;
     const Subject rooms = subject(two_rooms(40, true), asked);
     SceneOnDevice shared;
     const RenderResult expected = render(rooms, asked, {}, &shared);
     ASSERT_GT(expected.light_pilot.paths, 0u);
     ASSERT_TRUE(shared.light_shares);
-    asked.light_shares = shared.light_shares;
+    asked.training.found = shared.light_shares;
     const RenderResult taught = render(rooms, asked, {}, &shared);
     EXPECT_EQ(taught.light_pilot.paths, 0u);
     EXPECT_TRUE(*taught.film == *expected.film) << "the same shares, hence the same bits";
@@ -143,8 +143,8 @@ TEST_F(LightSelection, PicturesBesideARenderTakeOverItsLesson) {
 }
 
 TEST_F(LightSelection, FewLightsNeedNoTree) {
-  const RenderSettings automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
-  RenderSettings power = automatic;
+  const RenderPlan automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
+  RenderPlan power = automatic;
   power.lights = gpu::kLightsPower;
   Scene scene = load_gltf(kCornell, {});
   const PackedScene packed = pack(scene);
@@ -157,7 +157,7 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
   const RenderResult result = render(cornell, automatic);
   EXPECT_EQ(result.light_pilot.rows, 0u);
   EXPECT_TRUE(*result.film == *render(cornell, power).film);
-  RenderSettings generic = automatic;
+  RenderPlan generic = automatic;
   generic.specialize = false;
   EXPECT_TRUE(*render(cornell, generic).film == *result.film);
 }
@@ -181,7 +181,7 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
 }
 
 TEST_F(LightSelection, LearnsSharesFromSums) {
-  const RenderSettings learned = settings(gpu::kLightsLearned, gpu::kDirectMis);
+  const RenderPlan learned = settings(gpu::kLightsLearned, gpu::kDirectMis);
   const PackedScene packed = subject(two_rooms(40, true), learned).packed;
   std::vector<std::uint32_t> sums(kLightSumBytes / sizeof(std::uint32_t), 0);
   constexpr std::uint32_t kRow = 7, kAround = 9;

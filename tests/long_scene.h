@@ -32,8 +32,8 @@ inline Scene long_rows(const PunctualLight& light) {
 }
 
 // Twice as many pixels a side as other tests have.
-inline RenderSettings long_settings(std::string_view technique, std::uint32_t map_size = 512) {
-  RenderSettings settings = shadow_settings(technique, map_size);
+inline RenderPlan long_settings(std::string_view technique, std::uint32_t map_size = 512) {
+  RenderPlan settings = shadow_settings(technique, map_size);
   settings.width *= 2, settings.height *= 2;
   return settings;
 }

@@ -24,7 +24,7 @@ class MaterialRender : public VulkanTest {
 protected:
   Picture render_picture(Scene scene, const View& view, std::uint32_t side, std::uint32_t spp, std::uint32_t depth,
                          std::uint32_t direct = gpu::kDirectMis) {
-    RenderSettings asked;
+    RenderPlan asked;
     asked.width = asked.height = side;
     asked.last_sample = spp;
     asked.max_depth = depth;

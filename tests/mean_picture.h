@@ -19,7 +19,7 @@ struct MeanPicture {
 
 // `render(settings)` gives a RenderResult.
 template <typename Render>
-MeanPicture mean_picture(RenderSettings settings, const Render& render) {
+MeanPicture mean_picture(RenderPlan settings, const Render& render) {
   constexpr std::uint32_t kRenders = 8;
   std::vector<double> sum, squares;
   for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {

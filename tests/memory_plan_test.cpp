@@ -25,8 +25,8 @@ DeviceInfo device_of(const char* type) {
   return info;
 }
 
-RenderSettings settings_of(const IntegratorKind& kind) {
-  RenderSettings settings;
+RenderPlan settings_of(const IntegratorKind& kind) {
+  RenderPlan settings;
   settings.integrator = &kind;
   settings.width = 256, settings.height = 192;
   return settings;
@@ -41,12 +41,13 @@ TEST(MemoryPlan, ListsWhatTheSceneAndTheSettingsUse) {
   ScenePlan plain, rich;
   rich.light_tree_bytes = rich.environment_bytes = 1000;
   rich.smooth_surfaces = true;
-  const RenderSettings path = settings_of(kPath), both = settings_of(kBidirectional);
-  RenderSettings guided = path, shallow = both;
+  const RenderPlan path = settings_of(kPath), both = settings_of(kBidirectional);
+  RenderPlan guided = path, shallow = both;
   guided.guide = true;
   shallow.max_depth = 2;
-  const auto once = [](const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features,
-                       const char* name) { return bytes_of(plan_memory(settings, scene, features).render, name); };
+  const auto once = [](const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features, const char* name) {
+    return bytes_of(plan_memory(settings, scene, features).render, name);
+  };
   EXPECT_EQ(once(path, plain, kLamps, "guiding field"), 0u);
   EXPECT_GT(once(guided, plain, kLamps, "guiding field"), 0u);
   EXPECT_EQ(once(path, plain, kLamps, "learned lights") + once(path, plain, kLamps, "learned sky"), 0u);
@@ -64,15 +65,15 @@ TEST(MemoryPlan, ListsWhatTheSceneAndTheSettingsUse) {
 }
 
 TEST(MemoryPlan, NamesWhatPathsTake) {
-  RenderSettings path = settings_of(kPath), both = settings_of(kBidirectional);
+  RenderPlan path = settings_of(kPath), both = settings_of(kBidirectional);
   both.max_depth = 9;
   path.reuse = kReuseOff;
-  const auto of_path = [](const RenderSettings& settings) { return plan_memory(settings, {}, kLamps).path; };
+  const auto of_path = [](const RenderPlan& settings) { return plan_memory(settings, {}, kLamps).path; };
   EXPECT_EQ(bytes_of(of_path(both), "light vertices"), 8 * sizeof(gpu::LightVertex));
   EXPECT_EQ(bytes_of(of_path(path), "records for neighbours"), 0u);
   path.reuse = kReuseOn;
   EXPECT_GT(bytes_of(of_path(path), "records for neighbours"), 0u);
-  for (const RenderSettings* settings : {&path, &both})
+  for (const RenderPlan* settings : {&path, &both})
     EXPECT_EQ(total_bytes(of_path(*settings)), settings->integrator->bytes_per_slot(kLamps, *settings));
 }
 
@@ -80,7 +81,7 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
   ScenePlan scene;
   scene.triangle_bytes = 1000;
   const DeviceInfo cpu = device_of("cpu");
-  const RenderSettings both = settings_of(kBidirectional);
+  const RenderPlan both = settings_of(kBidirectional);
   const std::uint64_t needed = MemoryCheck("a.glb", scene, kLamps, cpu).bytes(both);
   const MemoryCheck enough("a.glb", scene, kLamps, cpu, needed), little("a.glb", scene, kLamps, cpu, needed - 1);
   EXPECT_TRUE(enough.fits(both));
@@ -99,8 +100,8 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
 // What auto asks for is the way that it takes without a trial; the others may take more.
 TEST(MemoryPlan, TellsWaysOfAutoApart) {
   const DeviceInfo cpu = device_of("cpu");
-  const RenderSettings automatic = settings_of(automatic_integrator()), path = settings_of(kPath);
-  RenderSettings guided = path;
+  const RenderPlan automatic = settings_of(automatic_integrator()), path = settings_of(kPath);
+  RenderPlan guided = path;
   guided.guide = true;
   const MemoryCheck check("a.glb", {}, kLamps, cpu, MemoryCheck("a.glb", {}, kLamps, cpu).bytes(automatic));
   EXPECT_TRUE(check.fits(path));

@@ -152,8 +152,8 @@ Scene checkered_floor() {
 
 class MipFrames : public VulkanTest {
 protected:
-  static RenderSettings settings(const IntegratorKind* integrator, std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings(const IntegratorKind* integrator, std::uint32_t spp) {
+    RenderPlan settings;
     settings.width = settings.height = 32;
     settings.last_sample = spp;
     settings.max_depth = 1;
@@ -161,7 +161,7 @@ protected:
     settings.integrator = integrator;
     return settings;
   }
-  RenderResult render(Scene scene, const RenderSettings& settings, bool mips) {
+  RenderResult render(Scene scene, const RenderPlan& settings, bool mips) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const PackedScene packed = pack(scene, {.mips = mips});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
@@ -169,9 +169,9 @@ protected:
 };
 
 TEST_F(MipFrames, DistantChecksAreGrey) {
-  RenderSettings with = settings(&kHybrid, 1), without = with;
+  RenderPlan with = settings(&kHybrid, 1), without = with;
   without.mips = false;
-  const auto spread = [&](const RenderSettings& settings) {
+  const auto spread = [&](const RenderPlan& settings) {
     Mean mean;
     const RenderResult result = render(checkered_floor(), settings, true);
     for (const float value : result.picture.channels[0].values) mean.add(value);
@@ -185,37 +185,37 @@ TEST_F(MipFrames, DistantChecksAreGrey) {
 TEST_F(MipFrames, APixelThatSeesOneTexelLooksItUpExactly) {
   Scene scene = checkered_floor();
   scene.cameras[0].yfov = 0.002; // a pixel is a fortieth of a square
-  const RenderSettings one = settings(&kHybrid, 1);
+  const RenderPlan one = settings(&kHybrid, 1);
   EXPECT_TRUE(*render(scene, one, true).film == *render(scene, one, false).film);
 }
 
 TEST_F(MipFrames, MoreSamplesAreExact) {
-  const RenderSettings two = settings(&kHybrid, 2), one = settings(&kHybrid, 1);
+  const RenderPlan two = settings(&kHybrid, 2), one = settings(&kHybrid, 1);
   EXPECT_TRUE(*render(checkered_floor(), two, true).film == *render(checkered_floor(), two, false).film);
   EXPECT_FALSE(*render(checkered_floor(), one, true).film == *render(checkered_floor(), one, false).film);
-  const RenderSettings path = settings(&kPath, 1);
+  const RenderPlan path = settings(&kPath, 1);
   EXPECT_TRUE(*render(checkered_floor(), path, true).film == *render(checkered_floor(), path, false).film);
-  RenderSettings part = one; // of a render of four samples
+  RenderPlan part = one; // of a render of four samples
   part.sample_total = 4;
   EXPECT_TRUE(*render(checkered_floor(), part, true).film == *render(checkered_floor(), part, false).film);
 }
 
 TEST_F(MipFrames, GenericKernelsGiveTheSameBits) {
-  RenderSettings one = settings(&kHybrid, 1);
+  RenderPlan one = settings(&kHybrid, 1);
   const RenderResult specialized = render(checkered_floor(), one, true);
   one.specialize = false;
   EXPECT_TRUE(*render(checkered_floor(), one, true).film == *specialized.film);
 }
 
 TEST(MipUse, IsThatOfFramesOfOneSample) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.last_sample = 1;
   EXPECT_FALSE(uses_mips(settings)) << "path tracing";
   settings.integrator = &kHybrid;
   EXPECT_TRUE(uses_mips(settings));
   settings.last_sample = 64;
   EXPECT_FALSE(wants_mips(settings));
-  settings.room_for_mips = true;
+  settings.kernels.mips = true;
   EXPECT_TRUE(wants_mips(settings) && !uses_mips(settings));
   settings.antialias_over_time = true;
   EXPECT_TRUE(uses_mips(settings)) << "a window whose camera moves";

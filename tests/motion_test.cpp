@@ -32,8 +32,8 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  static RenderSettings settings(std::uint32_t spp, std::uint32_t depth = 0) {
-    RenderSettings asked;
+  static RenderPlan settings(std::uint32_t spp, std::uint32_t depth = 0) {
+    RenderPlan asked;
     asked.width = asked.height = kSide;
     asked.last_sample = spp;
     asked.max_depth = depth;
@@ -41,13 +41,13 @@ protected:
     asked.moving = true;
     return asked;
   }
-  RenderResult render(Scene scene, const RenderSettings& asked) {
+  RenderResult render(Scene scene, const RenderPlan& asked) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     const PackedScene packed = pack(scene);
     EXPECT_TRUE(packed.moves());
     return wavepath::render(device(), packed, view_along_z(true), asked, RenderHooks{}, *kernels_);
   }
-  std::vector<float> red(const Scene& scene, const RenderSettings& asked) {
+  std::vector<float> red(const Scene& scene, const RenderPlan& asked) {
     return render(scene, asked).picture.channels[0].values;
   }
 };
@@ -107,7 +107,7 @@ Scene floor_behind_sheet(float half) {
 TEST_F(MotionTest, ShadowOfWhatMovesLastsAsLongAsItIsThere) {
   Scene scene = floor_behind_sheet(4.0f);
   move(scene.meshes[1], {9.0f, 0, 0}); // its left edge passes the picture, 1 m wide, from 3.5/9 to 4.5/9 of the time
-  RenderSettings asked = settings(256, 1);
+  RenderPlan asked = settings(256, 1);
   const auto image = red(scene, asked);
   for (std::size_t i = 0; i < image.size(); ++i) {
     const double x = (static_cast<double>(i % kSide) + 0.5) / kSide - 0.5;
@@ -122,7 +122,7 @@ TEST_F(MotionTest, AllRaysOfAPathSeeOneMoment) {
   move(scene.meshes[0], {3.0f, 0, 0});
   move(scene.meshes[1], {3.0f, 0, 0});
   scene.materials[0].emission = glm::vec3(1.0f);
-  RenderSettings asked = settings(256, 1);
+  RenderPlan asked = settings(256, 1);
   asked.aovs = {"direct", "emission"};
   const Picture picture = render(scene, asked).picture;
   const auto& direct = find_channel(picture, "direct.R")->values;
@@ -141,7 +141,7 @@ TEST_F(MotionTest, WhatShinesAndMovesLights) {
   scene.materials[1].emission = glm::vec3(2.0f);
   const auto still = [&] {
     PackedScene packed = pack(scene);
-    RenderSettings asked = settings(256, 1);
+    RenderPlan asked = settings(256, 1);
     asked.moving = false;
     return wavepath::render(device(), packed, view_along_z(true), asked, RenderHooks{}, *kernels_)
         .picture.channels[0]
@@ -164,7 +164,7 @@ TEST_F(MotionTest, NormalsTurnWithTheSurface) {
   mesh.primitives[0].has_normals = true;
   move(mesh, {0, 0, 0});
   mesh.end_normals.assign(mesh.positions.size(), glm::normalize(glm::vec3(1, 0, 1)));
-  RenderSettings asked = settings(1024, 1);
+  RenderPlan asked = settings(1024, 1);
   asked.aovs = {"normal"};
   const Picture picture = render(scene, asked).picture;
   double expected = 0.0;
@@ -177,7 +177,7 @@ TEST_F(MotionTest, NormalsTurnWithTheSurface) {
 TEST_F(MotionTest, SameBitsHoweverTheWorkIsCut) {
   Scene scene = disc_scene(kDepth, 0.2);
   move(scene.meshes[0], {0.2f, 0.1f, 0.5f});
-  RenderSettings asked = settings(5, 2);
+  RenderPlan asked = settings(5, 2);
   const RenderResult expected = render(scene, asked);
   asked.wave_slots = 700;
   EXPECT_TRUE(*render(scene, asked).film == *expected.film);
@@ -192,7 +192,7 @@ TEST_F(MotionTest, MomentsAreStratified) {
   move(scene.meshes[1], {9.0f, 0, 0});
   const auto variance = [&](std::uint32_t sampler, std::uint32_t spp) {
     constexpr std::uint32_t kSeeds = 6;
-    RenderSettings asked = settings(spp, 1);
+    RenderPlan asked = settings(spp, 1);
     asked.sampler = sampler;
     asked.whole_nets_from = 0;
     std::vector<double> sum(kSide * kSide), squares(kSide * kSide);
@@ -214,7 +214,7 @@ TEST(Motion, ScenesThatStandStillPayNothing) {
   const PackedScene still = pack(scene);
   EXPECT_FALSE(still.moves());
   EXPECT_EQ(still.end_normals, 0u);
-  EXPECT_EQ(kernel_config(still.features, still.stack_size, RenderSettings{}).motion, 0u);
+  EXPECT_EQ(kernel_config(still.features, still.stack_size, RenderPlan{}).motion, 0u);
 }
 
 } // namespace

@@ -27,7 +27,7 @@ using Json = nlohmann::json;
 struct Shot {
   PackedScene packed;
   View view;
-  RenderSettings settings;
+  RenderPlan settings;
 };
 
 // Tiles that are cut off are part of it.

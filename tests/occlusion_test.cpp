@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 
-RenderSettings occlusion_settings(std::string_view technique, double radius = 100.0) {
-  RenderSettings settings;
+RenderPlan occlusion_settings(std::string_view technique, double radius = 100.0) {
+  RenderPlan settings;
   settings.integrator = &kAo;
   settings.width = settings.height = 48;
   settings.last_sample = 4;
@@ -77,14 +77,14 @@ protected:
     return std::accumulate(picture.begin(), picture.end(), 0.0) / static_cast<double>(picture.size());
   }
   // The mean of the 4 x 4 pixels in the middle.
-  static double middle_of(const std::vector<float>& picture, const RenderSettings& settings) {
+  static double middle_of(const std::vector<float>& picture, const RenderPlan& settings) {
     double sum = 0.0;
     for (std::uint32_t y = settings.height / 2 - 2; y < settings.height / 2 + 2; ++y)
       for (std::uint32_t x = settings.width / 2 - 2; x < settings.width / 2 + 2; ++x)
         sum += picture[y * settings.width + x];
     return sum / 16.0;
   }
-  double in_the_middle(const Scene& scene, const RenderSettings& settings) {
+  double in_the_middle(const Scene& scene, const RenderPlan& settings) {
     return middle_of(light(scene, settings), settings);
   }
 };
@@ -103,7 +103,7 @@ TEST_F(OcclusionTest, APlaneIsOpen) {
 TEST_F(OcclusionTest, SsaoOfAPlaneIsGrey) {
   Scene scene = made_of({floor_of(50.0f)});
   look(scene, {0, 3, 0}, {0, 0, 0}, 0.0, {0, 0, -1});
-  RenderSettings settings = occlusion_settings("ssao", 0.2);
+  RenderPlan settings = occlusion_settings("ssao", 0.2);
   settings.ao_samples = 64;
   EXPECT_NEAR(in_the_middle(scene, settings), 0.5, 0.03); // of 16 * 256 points: 0.008 is one standard deviation
 }
@@ -111,7 +111,7 @@ TEST_F(OcclusionTest, SsaoOfAPlaneIsGrey) {
 // A right angle that the camera looks into takes three quarters of the ball, one that points at the camera one quarter.
 TEST_F(OcclusionTest, SsaoIsTheShareOfTheBall) {
   const std::vector<glm::vec3> level = floor_of(5.0f), upright = rectangle({0, 0, 0}, {5, 0, 0}, {0, 5, 0});
-  RenderSettings settings = occlusion_settings("ssao", 0.3);
+  RenderPlan settings = occlusion_settings("ssao", 0.3);
   settings.ao_samples = 64;
   Scene valley = made_of({level, upright});
   look(valley, {0, 2, 2}, {0, 0, 0}, 0.5);
@@ -130,7 +130,7 @@ TEST_F(OcclusionTest, SsaoIgnoresWhatIsFartherThanItsRadius) {
   const std::vector<glm::vec3> ground = floor_of(50.0f), plate = rectangle({0, 1.5f, 0}, {0, 0, 0.3f}, {0.3f, 0, 0});
   Scene alone = made_of({ground}), hidden = made_of({ground, plate});
   for (Scene* scene : {&alone, &hidden}) look(*scene, {0, 3, 0}, {0, 0, 0}, 1.0, {0, 0, -1});
-  const RenderSettings settings = occlusion_settings("ssao", 0.2);
+  const RenderPlan settings = occlusion_settings("ssao", 0.2);
   const std::vector<float> open = light(alone, settings), covered = light(hidden, settings);
   std::size_t brighter = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
@@ -163,7 +163,7 @@ TEST_F(OcclusionTest, HbaoOfAPitIsTheRiseOfItsHorizon) {
   Scene scene = made_of(pit(kDepth));
   look(scene, {0, 5, 0}, {0, 0, 0}, 0.75, {0, 0, -1});
   for (const double bias : {0.0, 20.0}) {
-    RenderSettings settings = occlusion_settings("hbao");
+    RenderPlan settings = occlusion_settings("hbao");
     settings.ao_bias = bias;
     double sum = 0.0;
     constexpr int kDirections = 1000; // of an eighth
@@ -217,7 +217,7 @@ TEST_F(OcclusionTest, TheBiasOfHbaoLeavesShallowHorizonsOpen) {
   Scene scene =
       made_of({rectangle({-1, rise, 0}, {0, 0, 2}, {1, -rise, 0}), rectangle({1, rise, 0}, {0, 0, 2}, {1, rise, 0})});
   look(scene, {0, 5, 0}, {0, 0, 0}, 0.5, {0, 0, -1});
-  RenderSettings settings = occlusion_settings("hbao", 0.4);
+  RenderPlan settings = occlusion_settings("hbao", 0.4);
   settings.ao_bias = 0.0;
   EXPECT_LT(in_the_middle(scene, settings), 0.92);
   settings.ao_bias = 30.0; // more than the 24 degrees between the sides
@@ -229,7 +229,7 @@ TEST_F(OcclusionTest, TheBiasOfHbaoLeavesShallowHorizonsOpen) {
 TEST_F(OcclusionTest, ThinnessLightensWhatThinBodiesDarken) {
   Scene scene = made_of({floor_of(4.0f), rectangle({0, 0.6f, 0}, {0, 0, 3}, {0.06f, 0, 0})});
   look(scene, {0, 4, 0}, {0, 0, 0}, 0.8, {0, 0, -1});
-  RenderSettings settings = occlusion_settings("gtao", 1.2);
+  RenderPlan settings = occlusion_settings("gtao", 1.2);
   const double rays = mean_of(light(scene, occlusion_settings("traced", 1.2))), thick = mean_of(light(scene, settings));
   settings.ao_thinness = 0.3;
   const double thin = mean_of(light(scene, settings));
@@ -240,20 +240,20 @@ TEST_F(OcclusionTest, ThinnessLightensWhatThinBodiesDarken) {
 
 TEST_F(OcclusionTest, HybridDimsItsAmbientTermByIt) {
   const Scene scene = lit_by(sun());
-  RenderSettings hybrid = shadow_settings("traced");
+  RenderPlan hybrid = shadow_settings("traced");
   hybrid.max_depth = 2;
   hybrid.ambient = glm::vec3(1.0f);
   hybrid.ao_radius = 0.5;
   hybrid.occlusion = index_of(kOcclusionNames, "gtao");
   hybrid.aovs = {"ao"};
-  RenderSettings ao = hybrid;
+  RenderPlan ao = hybrid;
   ao.integrator = &kAo;
   const Picture picture = render(scene, hybrid).picture;
   const auto channel = std::ranges::find_if(picture.channels, [](const auto& c) { return c.name.starts_with("ao"); });
   ASSERT_NE(channel, picture.channels.end());
   const std::vector<float> alone = light(scene, ao);
   EXPECT_EQ(channel->values, alone);
-  RenderSettings dark = hybrid;
+  RenderPlan dark = hybrid;
   dark.ambient = glm::vec3(0.0f);
   const std::vector<float> direct = light(scene, dark);
   const float albedo = bodies().materials[0].base_color.g * (1.0f - bodies().materials[0].metallic);
@@ -270,7 +270,7 @@ TEST_F(OcclusionTest, SendsNoRays) {
   EXPECT_FALSE(has_stage(rays, "screen-space occlusion"));
   EXPECT_FALSE(rays.occlusion);
   for (const OcclusionKind* kind : occlusion_kinds()) {
-    const RenderSettings settings = occlusion_settings(kind->name, 1.0);
+    const RenderPlan settings = occlusion_settings(kind->name, 1.0);
     const RenderResult result = render(bodies(), settings);
     EXPECT_FALSE(has_stage(result, "occlusion"));
     EXPECT_TRUE(has_stage(result, "screen-space occlusion"));
@@ -287,7 +287,7 @@ TEST_F(OcclusionTest, SendsNoRays) {
 
 TEST_F(OcclusionTest, SameBitsHoweverTheWorkIsCut) {
   for (const OcclusionKind* kind : occlusion_kinds()) {
-    RenderSettings settings = occlusion_settings(kind->name, 1.0);
+    RenderPlan settings = occlusion_settings(kind->name, 1.0);
     const std::vector<float> whole = light(bodies(), settings);
     settings.wave_slots = 1024;
     EXPECT_EQ(light(bodies(), settings), whole);
@@ -298,7 +298,7 @@ TEST(OcclusionSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
   ASSERT_EQ(occlusion_kinds().size() + 1, kOcclusionNames.size());
   for (std::size_t i = 0; i < occlusion_kinds().size(); ++i)
     EXPECT_EQ(occlusion_kinds()[i]->name, kOcclusionNames[i + 1]);
-  RenderSettings settings = occlusion_settings("hbao");
+  RenderPlan settings = occlusion_settings("hbao");
   settings.ao_bias = 5.0;
   EXPECT_NO_THROW(check_occlusion_settings(settings));
   settings.occlusion = index_of(kOcclusionNames, "gtao");

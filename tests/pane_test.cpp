@@ -113,8 +113,8 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  RenderSettings settings(std::uint32_t spp, std::uint32_t depth, const IntegratorKind& integrator = kPath) {
-    RenderSettings asked;
+  RenderPlan settings(std::uint32_t spp, std::uint32_t depth, const IntegratorKind& integrator = kPath) {
+    RenderPlan asked;
     asked.width = 8, asked.height = 8;
     asked.last_sample = spp;
     asked.max_depth = depth;
@@ -122,7 +122,7 @@ protected:
     asked.filter = gpu::kFilterBox;
     return asked;
   }
-  Picture render(Scene scene, const RenderSettings& asked, bvh::Quality quality = bvh::Quality::fast,
+  Picture render(Scene scene, const RenderPlan& asked, bvh::Quality quality = bvh::Quality::fast,
                  bool upwards = false) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     ViewRequest request;
@@ -141,13 +141,13 @@ protected:
 
   // Means of pictures by several estimators agree within 4.5 standard errors, which are below 3 %.
   void expect_agreement(const Scene& scene, std::uint32_t depth,
-                        const std::vector<std::function<void(RenderSettings&)>>& variants, bool upwards = false) {
+                        const std::vector<std::function<void(RenderPlan&)>>& variants, bool upwards = false) {
     constexpr int kRenders = 8;
     double first_mean = 0.0, first_variance = 0.0;
     for (std::size_t v = 0; v < variants.size(); ++v) {
       double sum = 0.0, squares = 0.0;
       for (int i = 0; i < kRenders; ++i) {
-        RenderSettings asked = settings(256, depth);
+        RenderPlan asked = settings(256, depth);
         variants[v](asked);
         asked.seed = static_cast<std::uint32_t>(100 * v) + static_cast<std::uint32_t>(i);
         double mean = 0.0;
@@ -167,13 +167,13 @@ protected:
   }
 };
 
-const auto kMis = [](RenderSettings&) {};
-const auto kNee = [](RenderSettings& s) { s.direct = gpu::kDirectNee; };
-const auto kBsdf = [](RenderSettings& s) { s.direct = gpu::kDirectBsdf; };
-const auto kBothEnds = [](RenderSettings& s) { s.integrator = &kBidirectional; };
-const auto kByTree = [](RenderSettings& s) { s.lights = gpu::kLightsTree; };
-const auto kLearned = [](RenderSettings& s) { s.lights = gpu::kLightsLearned; };
-const auto kGuided = [](RenderSettings& s) { s.guide = true; };
+const auto kMis = [](RenderPlan&) {};
+const auto kNee = [](RenderPlan& s) { s.direct = gpu::kDirectNee; };
+const auto kBsdf = [](RenderPlan& s) { s.direct = gpu::kDirectBsdf; };
+const auto kBothEnds = [](RenderPlan& s) { s.integrator = &kBidirectional; };
+const auto kByTree = [](RenderPlan& s) { s.lights = gpu::kLightsTree; };
+const auto kLearned = [](RenderPlan& s) { s.lights = gpu::kLightsLearned; };
+const auto kGuided = [](RenderPlan& s) { s.guide = true; };
 
 TEST_F(PaneTest, ASunShinesThroughByFresnelAndTint) {
   const glm::vec3 red(0.9f, 0.4f, 0.0f), blue(0.3f, 0.5f, 0.8f);
@@ -195,7 +195,7 @@ TEST_F(PaneTest, EveryPaneCostsABounce) {
     expect_even(render(sunny_floor(panes), settings(2, depth)), glm::dvec3(0.0), 0.0);
     expect_even(render(sunny_floor(panes), settings(2, depth, kWhitted)), glm::dvec3(0.0), 0.0);
   }
-  RenderSettings one_bounce = settings(2, 2, kHybrid); // of what lights bring
+  RenderPlan one_bounce = settings(2, 2, kHybrid); // of what lights bring
   one_bounce.ambient = glm::vec3(0.0f);
   expect_even(render(sunny_floor({glass()}), one_bounce), glm::dvec3(0.0), 0.0);
 }
@@ -246,14 +246,14 @@ TEST_F(PaneTest, NeitherTreeNorWavesNorGenericKernelsChangeABit) {
         glm::translate(glm::dmat4(1.0), glm::dvec3(-2.8 + 0.35 * (i % 16), 2.5 + 0.8 * (i / 16), 2.9));
     add_instance(scene, add_mesh(scene, square(0.02f), 0), place);
   }
-  const RenderSettings asked = settings(4, 6);
+  const RenderPlan asked = settings(4, 6);
   const Picture expected = render(scene, asked);
   const auto expect_same = [&](const Picture& other, const std::string& what) {
     for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(expected.channels[c].values, other.channels[c].values) << what;
   };
   expect_same(render(scene, asked, bvh::Quality::balanced), "balanced tree");
   expect_same(render(scene, asked, bvh::Quality::best), "best tree");
-  RenderSettings other = asked;
+  RenderPlan other = asked;
   other.wave_slots = 50;
   expect_same(render(scene, other), "small waves");
   other = asked;
@@ -273,7 +273,7 @@ TEST_F(PaneTest, EstimatorsAgreeUnderALamp) {
 TEST_F(PaneTest, EstimatorsAgreeUnderManyLamps) {
   Scene scene = floor_under({glass(glm::vec3(0.9f, 0.7f, 0.5f)), glass()});
   add_lamps(scene, 12);
-  expect_agreement(scene, 5, {kMis, kNee, kBsdf, kByTree, kLearned, [](RenderSettings& s) {
+  expect_agreement(scene, 5, {kMis, kNee, kBsdf, kByTree, kLearned, [](RenderPlan& s) {
                                 kNee(s);
                                 kByTree(s);
                               }});
@@ -302,7 +302,7 @@ TEST_F(PaneTest, TheEyeSeesALampThroughAPane) {
   add_lamps(scene, 1);
   scene.instances.back().world_from_object = glm::translate(glm::dmat4(1.0), glm::dvec3(0, 6, 0));
   for (const auto& direct : {gpu::kDirectMis, gpu::kDirectNee, gpu::kDirectBsdf}) {
-    RenderSettings asked = settings(4, 2);
+    RenderPlan asked = settings(4, 2);
     asked.direct = direct;
     expect_even(render(scene, asked, bvh::Quality::fast, true), glm::dvec3(1.0, 0.75, 0.5), 1e-5);
   }
@@ -310,7 +310,7 @@ TEST_F(PaneTest, TheEyeSeesALampThroughAPane) {
 
 // In the channel of direct light there is what one bounce finds, whichever way.
 TEST_F(PaneTest, LightThroughAPaneIsNotDirect) {
-  RenderSettings asked = settings(2, 2);
+  RenderPlan asked = settings(2, 2);
   asked.aovs = {"direct", "indirect"};
   const Picture picture = render(sunny_floor({glass()}), asked);
   for (const Channel& channel : picture.channels) {
@@ -342,7 +342,7 @@ TEST(PaneFeature, IsThereOnlyWhereShadowRaysMeetPanes) {
   opaque.transmission = 0.0f;
   for (const Material& material : {rough, thick, metal, opaque}) EXPECT_FALSE(has_panes(sunny_floor({material})));
 
-  RenderSettings asked;
+  RenderPlan asked;
   asked.integrator = &kPath;
   const auto compiled = [&] {
     return (kernel_config(gpu::kFeaturePanes, 5, asked).features & gpu::kFeaturePanes) != 0;

@@ -34,22 +34,22 @@ constexpr std::uint32_t kWidth = 22, kHeight = 15;
 constexpr std::uint32_t kSeeds = 16;
 constexpr double kMeanSquare = 15.0 / 13.0, kFarOff = 5.0;
 
-RenderSettings reusing(RenderSettings settings) {
+RenderPlan reusing(RenderPlan settings) {
   settings.reuse = kReuseOn;
   return settings;
 }
 
-RenderSettings apart(RenderSettings settings) {
+RenderPlan apart(RenderPlan settings) {
   settings.reuse = kReuseOff;
   return settings;
 }
 
-RenderSettings halved(RenderSettings settings) {
+RenderPlan halved(RenderPlan settings) {
   settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
   return settings;
 }
 
-RenderSettings whole(RenderSettings settings) {
+RenderPlan whole(RenderPlan settings) {
   settings.whole_nets_from = 0;
   return settings;
 }
@@ -57,14 +57,14 @@ RenderSettings whole(RenderSettings settings) {
 // Rooms are seen from the front, unless `eye` says otherwise.
 class PathReuse : public LightRooms {
 protected:
-  static RenderSettings asked(std::uint32_t spp = 16) {
-    RenderSettings result = settings(gpu::kLightsPower, gpu::kDirectMis, spp);
+  static RenderPlan asked(std::uint32_t spp = 16) {
+    RenderPlan result = settings(gpu::kLightsPower, gpu::kDirectMis, spp);
     result.width = kWidth, result.height = kHeight;
-    result.tries_reuse = kTriesReuseAnywhere; // with and without by the same kernels
+    result.kernels.reuse = BearsReuse::anywhere; // with and without by the same kernels
     result.adaptive = kAdaptiveOff;
     return result;
   }
-  static Subject room(Scene scene, const RenderSettings& settings, const glm::dvec3& eye = {0.0, 0.1, 1.9}) {
+  static Subject room(Scene scene, const RenderPlan& settings, const glm::dvec3& eye = {0.0, 0.1, 1.9}) {
     ViewRequest request;
     request.eye = eye;
     request.look_at = glm::dvec3(0.0, -0.1, 0.0);
@@ -75,7 +75,7 @@ protected:
 
   // What the picture with reuse has over that without, by seed. The two have their direct light in common, so that this
   // has less noise than either.
-  void expect_same_picture(const char* name, const Subject& subject, const RenderSettings& settings, double shown);
+  void expect_same_picture(const char* name, const Subject& subject, const RenderPlan& settings, double shown);
 };
 
 // Sums over groups of values of one picture.
@@ -86,14 +86,14 @@ using Groups = std::vector<double>;
 struct Grouping {
   std::size_t pixels, squares, columns, whole, all;
 };
-Grouping grouping(const RenderSettings& settings) {
+Grouping grouping(const RenderPlan& settings) {
   const std::size_t pixels = std::size_t{settings.width} * settings.height;
   const std::size_t squares = std::size_t{(settings.width + 6) / 4} * ((settings.height + 6) / 4);
   const std::size_t columns = pixels + 3 * squares;
   return {0, pixels, columns, columns + settings.width, columns + settings.width + 3};
 }
 
-Groups grouped(const Picture& picture, const RenderSettings& settings) {
+Groups grouped(const Picture& picture, const RenderPlan& settings) {
   const Grouping at = grouping(settings);
   const std::size_t across = (settings.width + 6) / 4;
   Groups sums(at.all);
@@ -123,12 +123,12 @@ double mean_square(const std::vector<Mean>& differences, std::size_t begin, std:
   return judged > 0.0 ? sum / judged : 0.0;
 }
 
-void PathReuse::expect_same_picture(const char* name, const Subject& subject, const RenderSettings& settings,
+void PathReuse::expect_same_picture(const char* name, const Subject& subject, const RenderPlan& settings,
                                     double shown) {
   SCOPED_TRACE(name);
   const Grouping at = grouping(settings);
   std::vector<Mean> differences(at.all), sums(3);
-  for (RenderSettings seeded = settings; seeded.seed < kSeeds; ++seeded.seed) {
+  for (RenderPlan seeded = settings; seeded.seed < kSeeds; ++seeded.seed) {
     const Groups together = grouped(render(subject, reusing(seeded)).picture, settings),
                  alone = grouped(render(subject, apart(seeded)).picture, settings);
     for (std::size_t i = 0; i < at.all; ++i) differences[i].add(together[i] - alone[i]);
@@ -161,7 +161,7 @@ TEST_F(PathReuse, TheSamePictureOfADiffuseRoom) {
                                                     {"four light samples", gpu::kDirectMis, 4u},
                                                     {"nee", gpu::kDirectNee, 1u},
                                                     {"bsdf", gpu::kDirectBsdf, 1u}}) {
-    RenderSettings settings = asked(32);
+    RenderPlan settings = asked(32);
     settings.direct = direct, settings.light_samples = light_samples;
     expect_same_picture(name, room(parted_room(plain_material()), settings), settings, 0.01);
   }
@@ -177,14 +177,14 @@ Scene point_lit(Scene scene) {
   return scene;
 }
 
-RenderSettings precise(RenderSettings settings, std::uint32_t spp = 256) {
+RenderPlan precise(RenderPlan settings, std::uint32_t spp = 256) {
   settings.last_sample = spp;
   settings.max_depth = 2;
   return settings;
 }
 
 TEST_F(PathReuse, TheSamePixelsWhereNeighboursSeeOtherThings) {
-  const RenderSettings settings = precise(asked());
+  const RenderPlan settings = precise(asked());
   expect_same_picture("screen", room(point_lit(parted_room(plain_material())), settings), settings, 0.001);
 }
 
@@ -200,7 +200,7 @@ TEST_F(PathReuse, TheSamePictureUnderInterfaces) {
   half.metallic = 0.5f, half.roughness = 0.0f; // rough metal shares nothing: see may_share()
   metal.metallic = 1.0f;
   dense.ior = 3.0f, dense.roughness = 0.6f;
-  const RenderSettings settings = asked();
+  const RenderPlan settings = asked();
   Scene both = parted_room(rough);
   both.materials[0] = plain_material();
   both.materials[1] = metal;
@@ -222,7 +222,7 @@ TEST_F(PathReuse, TheSamePictureOfBentNormals) {
   Material glossy = plain_material();
   glossy.specular = 1.0f;
   glossy.roughness = 0.5f;
-  const RenderSettings settings = asked();
+  const RenderPlan settings = asked();
   for (const auto& [name, material, steepest] : {std::tuple{"glossy bumps", glossy, 0.6},
                                                  {"steep bumps", plain_material(), 1.3},
                                                  {"glossy steep bumps", glossy, 1.3}}) {
@@ -241,7 +241,7 @@ TEST_F(PathReuse, TheSamePictureOfSmoothMeshes) {
   Scene scene = parted_room(plain_material());
   add_coarse_ball(scene, {-0.9f, -0.4f, -0.6f}, 0.55f, 0);
   add_coarse_ball(scene, {0.6f, 0.3f, 0.4f}, 0.5f, 2);
-  RenderSettings settings = asked();
+  RenderPlan settings = asked();
   for (const std::uint32_t terminator : {gpu::kTerminatorFacets, gpu::kTerminatorSmooth}) {
     settings.terminator = terminator;
     expect_same_picture(terminator == gpu::kTerminatorSmooth ? "smooth terminator" : "facets", room(scene, settings),
@@ -264,7 +264,7 @@ TEST_F(PathReuse, TheSamePictureOfLayers) {
   add_box(scene, {-1.7f, -1, 0}, {-1.0f, -0.4f, 0.5f}, add_material(scene, velvet));
   add_box(scene, {0.8f, -1, 0}, {1.5f, -0.5f, 0.6f}, add_material(scene, soap));
   add_wall(scene, {-0.9f, -1, -0.2f}, {0.7f, 0, 0.1f}, {0, 1.0f, 0}, add_material(scene, paper));
-  const RenderSettings settings = asked();
+  const RenderPlan settings = asked();
   expect_same_picture("layers", room(scene, settings), settings, 0.05);
 }
 
@@ -291,7 +291,7 @@ TEST_F(PathReuse, TheSamePictureBehindGlass) {
     add_box(scene, {-1.3f, -0.95f, -0.3f}, {-0.6f, 0.2f, 0.3f}, add_material(scene, body));
   };
   add_pane(panes), add_body(bodies), add_pane(both), add_body(both);
-  RenderSettings settings = asked();
+  RenderPlan settings = asked();
   settings.max_depth = 4;
   expect_same_picture("panes", room(panes, settings), settings, 0.05);
   expect_same_picture("body", room(bodies, settings), settings, 0.05);
@@ -320,7 +320,7 @@ TEST_F(PathReuse, TheSamePictureBehindHoles) {
   add_wall(scene, {0.1f, -1, -0.9f}, {1.9f, 0, 0.8f}, {0, 1.2f, 0}, add_material(scene, mask));
   add_wall(scene, {0.2f, -0.8f, 0.5f}, {1.2f, 0, 0}, {0, 0.5f, 0}, add_material(scene, unlit));
   add_wall(scene, {-1.9f, -0.4f, -0.4f}, {1.2f, 0, 0.5f}, {0, 0.1f, 0.8f}, static_cast<std::uint32_t>(4)); // BLEND
-  const RenderSettings settings = asked(32);
+  const RenderPlan settings = asked(32);
   expect_same_picture("holes", room(scene, settings), settings, 0.02);
 }
 
@@ -330,7 +330,7 @@ TEST_F(PathReuse, TheSamePictureFromBehind) {
   for (std::size_t i = 0; i < 3; ++i) scene.materials[i].double_sided = false;
   for (const auto& [name, cull] :
        {std::pair{"for the camera", gpu::kCullCamera}, {"for all", gpu::kCullAll}, {"for none", gpu::kCullNone}}) {
-    RenderSettings settings = asked();
+    RenderPlan settings = asked();
     settings.cull = cull;
     const bool inside = cull == gpu::kCullNone;
     expect_same_picture(name, room(scene, settings, {0.0, 0.3, inside ? 1.9 : 4.5}), settings, 0.02);
@@ -356,7 +356,7 @@ TEST_F(PathReuse, TheSamePictureUnderTheSky) {
   map.environment.radiance = glm::vec3(1.0f);
   map.environment.width = 8, map.environment.height = 4;
   for (int i = 0; i < 32; ++i) map.environment.map.emplace_back(i % 5 == 0 ? 3.0f : 0.2f);
-  RenderSettings settings = asked();
+  RenderPlan settings = asked();
   settings.light_samples = 1;
   expect_same_picture("map", room(map, settings), settings, 0.02);
   settings.light_samples = 4;
@@ -371,7 +371,7 @@ TEST_F(PathReuse, TheSamePictureUnderTheSky) {
 }
 
 TEST_F(PathReuse, TheSamePictureOfManyLights) {
-  RenderSettings settings = asked();
+  RenderPlan settings = asked();
   expect_same_picture("by power", subject(two_rooms(40, true), settings), settings, 0.05);
   settings.lights = gpu::kLightsAuto; // by a tree, and learned by a pilot
   settings.light_samples = 2;
@@ -380,7 +380,7 @@ TEST_F(PathReuse, TheSamePictureOfManyLights) {
 
 // Deep paths, which roulette ends, by independent samples.
 TEST_F(PathReuse, TheSamePictureOfDeepPaths) {
-  RenderSettings settings = asked();
+  RenderPlan settings = asked();
   settings.max_depth = 12;
   settings.sampler = gpu::kSamplerIndependent;
   Material glossy = plain_material();
@@ -400,7 +400,7 @@ TEST_F(PathReuse, AGlowingRoomKeepsItsLight) {
   scene.materials = {wall};
   add_box(scene, {-2, -1, -2}, {2, 1, 2}, 0, true);
   add_box(scene, {-0.06f, -1, -2}, {0.06f, 1, 0.2f}, 0);
-  RenderSettings settings = reusing(asked(64));
+  RenderPlan settings = reusing(asked(64));
   settings.width = settings.height = 16;
   settings.direct = gpu::kDirectBsdf;
   settings.max_depth = 2;
@@ -423,10 +423,10 @@ TEST_F(PathReuse, AGlowingRoomKeepsItsLight) {
 // ---- noise ----------------------------------------------------------------------------------------------------------
 
 TEST_F(PathReuse, LessNoiseInADiffuseRoom) {
-  RenderSettings settings = asked(16);
+  RenderPlan settings = asked(16);
   settings.max_depth = 5;
   const Subject shown = room(room_of_hidden_lamp(plain_material()), settings);
-  RenderSettings long_one = reusing(settings);
+  RenderPlan long_one = reusing(settings);
   long_one.last_sample = 4096, long_one.seed = 1000;
   const Picture reference = render(shown, long_one).picture;
   double together = 0.0, alone = 0.0;
@@ -447,7 +447,7 @@ TEST_F(PathReuse, BitsDoNotDependOnHowTheWorkIsCut) {
   for (const auto& [width, height] : {std::pair{43u, 37u}, {7u, 5u}, {1u, 1u}, {3u, 1u}})
     for (const bool whole_nets : {false, true}) {
       SCOPED_TRACE(fmt::format("{}x{} whole {}", width, height, whole_nets));
-      RenderSettings settings = reusing(asked(6));
+      RenderPlan settings = reusing(asked(6));
       settings.width = width, settings.height = height;
       settings = whole_nets ? whole(settings) : halved(settings);
       const Subject shown = room(scene, settings);
@@ -461,7 +461,7 @@ TEST_F(PathReuse, BitsDoNotDependOnHowTheWorkIsCut) {
 
 TEST_F(PathReuse, BitsOfAdaptiveRendersDoNotDependOnHowTheWorkIsCut) {
   for (const bool whole_nets : {false, true}) {
-    RenderSettings settings = reusing(asked(32));
+    RenderPlan settings = reusing(asked(32));
     settings.width = 43, settings.height = 37;
     settings.adaptive = kAdaptiveOn;
     settings = whole_nets ? whole(settings) : halved(settings);
@@ -480,17 +480,17 @@ TEST_F(PathReuse, BitsDoNotDependOnWhatKernelsBear) {
     kernels_.reset(); // none of other scenes, which would serve this one
     Material wall = plain_material();
     wall.specular = specular;
-    RenderSettings made = asked(4), trying = made;
-    made.tries_reuse = false;
+    RenderPlan made = asked(4), trying = made;
+    made.kernels.reuse = false;
     const Subject shown = room(parted_room(wall), made);
     const auto alone = render(shown, apart(made)).film, together = render(shown, reusing(made)).film;
     EXPECT_TRUE(*render(shown, apart(trying)).film == *alone);
     EXPECT_TRUE(*render(shown, reusing(trying)).film == *together);
-    RenderSettings more = reusing(made), generic = more;
+    RenderPlan more = reusing(made), generic = more;
     generic.specialize = false;
     EXPECT_TRUE(*render(shown, generic).film == *together) << "generic kernels";
-    more.added_features = gpu::kFeatureNormalMaps | gpu::kFeatureSmoothNormals | gpu::kFeatureAlpha |
-                          gpu::kFeatureTransmission | gpu::kFeatureTextures | gpu::kFeatureSpecular | gpu::kLobeSheen;
+    more.kernels.added = gpu::kFeatureNormalMaps | gpu::kFeatureSmoothNormals | gpu::kFeatureAlpha |
+                         gpu::kFeatureTransmission | gpu::kFeatureTextures | gpu::kFeatureSpecular | gpu::kLobeSheen;
     EXPECT_TRUE(*render(shown, more).film == *together) << "more features";
   }
 }
@@ -498,21 +498,21 @@ TEST_F(PathReuse, BitsDoNotDependOnWhatKernelsBear) {
 // ---- where it is taken ----------------------------------------------------------------------------------------------
 
 TEST_F(PathReuse, IsForPathsThatScatterTwiceByTheCosine) {
-  RenderSettings settings = reusing(asked(2));
+  RenderPlan settings = reusing(asked(2));
   EXPECT_TRUE(reuses_paths(settings));
   EXPECT_FALSE(reuses_paths(apart(settings)));
-  RenderSettings automatic = settings;
+  RenderPlan automatic = settings;
   automatic.reuse = kReuseAuto;
   EXPECT_FALSE(reuses_paths(automatic)) << "before it is chosen";
-  const std::map<std::string, std::function<void(RenderSettings&)>> changes = {
-      {"guide", [](RenderSettings& s) { s.guide = true; }},
-      {"hemisphere", [](RenderSettings& s) { s.hemisphere = gpu::kHemisphereUniform; }},
-      {"one bounce", [](RenderSettings& s) { s.max_depth = 1; }},
-      {"moving", [](RenderSettings& s) { s.moving = true; }}};
+  const std::map<std::string, std::function<void(RenderPlan&)>> changes = {
+      {"guide", [](RenderPlan& s) { s.guide = true; }},
+      {"hemisphere", [](RenderPlan& s) { s.hemisphere = gpu::kHemisphereUniform; }},
+      {"one bounce", [](RenderPlan& s) { s.max_depth = 1; }},
+      {"moving", [](RenderPlan& s) { s.moving = true; }}};
   for (const auto& [name, change] : changes) {
     SCOPED_TRACE(name);
-    RenderSettings other = settings;
-    other.tries_reuse = false;
+    RenderPlan other = settings;
+    other.kernels.reuse = false;
     change(other);
     EXPECT_FALSE(reuses_paths(other));
     const Subject shown = room(parted_room(plain_material()), other);
@@ -522,11 +522,11 @@ TEST_F(PathReuse, IsForPathsThatScatterTwiceByTheCosine) {
 
 TEST_F(PathReuse, AutoTakesItWhereLightComesByDiffuseSurfaces) {
   const auto choose = [&](const Scene& scene, std::uint32_t spp, std::uint32_t depth = 5) {
-    RenderSettings settings = asked(spp);
+    RenderPlan settings = asked(spp);
     settings.width = settings.height = 64;
     settings.max_depth = depth;
     settings.reuse = kReuseAuto;
-    settings.tries_reuse = false;
+    settings.kernels.reuse = false;
     const Subject shown = room(scene, settings, {0.0, 0.1, 1.9});
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     SceneOnDevice on_device;
@@ -578,11 +578,11 @@ TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
   for (const bool whole_nets : {false, true}) {
     SCOPED_TRACE(whole_nets ? "whole nets" : "halved nets");
     constexpr std::uint32_t kRuns = 40, kReference = 32;
-    RenderSettings settings = reusing(asked(whole_nets ? 8 : 32));
+    RenderPlan settings = reusing(asked(whole_nets ? 8 : 32));
     settings.width = settings.height = whole_nets ? 96 : 40;
     settings = whole_nets ? whole(settings) : halved(settings);
     const Subject shown = room(bright_room(), settings);
-    RenderSettings long_one = settings;
+    RenderPlan long_one = settings;
     long_one.last_sample *= kReference, long_one.seed = 1000000;
     const Picture reference = render(shown, long_one).picture;
     const Coverage found = measure_coverage(reference, kRuns, [&](std::uint32_t seed) {

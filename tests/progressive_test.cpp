@@ -55,7 +55,7 @@ protected:
   View moved_view() const {
     return view_at({.eye = view_.position + 0.2 * view_.right + 0.1 * view_.forward, .yfov = 0.6});
   }
-  RenderResult rendered(const View& view, const RenderSettings& settings) {
+  RenderResult rendered(const View& view, const RenderPlan& settings) {
     return render(device(), packed_, view, settings, RenderHooks{}, kernels());
   }
   void expect_as_rendered(Progressive& progressive) {
@@ -72,7 +72,7 @@ protected:
 
   Scene scene_;
   PackedScene packed_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   View view_;
 };
 
@@ -101,7 +101,7 @@ TEST_F(ProgressiveTest, MovingAndResizingLeaveNoTrace) {
     expect_as_rendered(progressive);
     EXPECT_EQ(progressive.view().position, moved_view().position);
 
-    RenderSettings larger = settings_;
+    RenderPlan larger = settings_;
     larger.width = 61, larger.height = 45;
     progressive.set_settings(larger, view_at({}, 61, 45));
     render_some(progressive, 7);
@@ -115,7 +115,7 @@ TEST_F(ProgressiveTest, OtherSettingsLeaveNoTrace) {
   open("cornell_box.gltf");
   Progressive progressive = begin();
   render_some(progressive, 2);
-  RenderSettings other = settings_;
+  RenderPlan other = settings_;
   other.sampler = gpu::kSamplerStratified;
   other.max_depth = 2;
   other.seed = 5;
@@ -129,7 +129,7 @@ TEST_F(ProgressiveTest, OtherSettingsLeaveNoTrace) {
   expect_as_rendered(progressive);
 
   // The scene was packed with its lights; render packs none where they are not sampled.
-  RenderSettings bsdf = settings_;
+  RenderPlan bsdf = settings_;
   bsdf.direct = gpu::kDirectBsdf;
   progressive.set_settings(bsdf, view_);
   finish(progressive);
@@ -142,7 +142,7 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
   open("cornell_box.gltf");
   Progressive progressive = begin();
   render_some(progressive, 2);
-  RenderSettings frames = settings_;
+  RenderPlan frames = settings_;
   for (const IntegratorKind* integrator : {&kHybrid, &kAo}) {
     SCOPED_TRACE(integrator->name);
     frames.integrator = integrator;
@@ -183,7 +183,7 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
     }
     EXPECT_TRUE(progressive.moving());
     const Picture moving = progressive.picture();
-    RenderSettings fine = progressive.settings();
+    RenderPlan fine = progressive.settings();
     fine.last_sample = 64;
     fine.width = progressive.film_target().shape().width, fine.height = progressive.film_target().shape().height;
     const Picture truth = render(device(), packed_, view_, fine).picture;
@@ -229,7 +229,7 @@ TEST_F(ProgressiveTest, ShowsACoarsePictureWhileMoving) {
   finish(progressive);
   EXPECT_TRUE(progressive.moving());
   EXPECT_FALSE(progressive.status().done) << "the picture of the view follows";
-  RenderSettings coarse = settings_;
+  RenderPlan coarse = settings_;
   coarse.width = 5, coarse.height = 4;
   EXPECT_EQ(progressive.film(), *rendered(view_, coarse).film);
   progressive.rest();
@@ -271,7 +271,7 @@ TEST_F(ProgressiveTest, TheSceneIsUploadedOnce) {
     render_some(progressive, 1);
   }
   progressive.rest();
-  RenderSettings smaller = settings_;
+  RenderPlan smaller = settings_;
   smaller.width = 20;
   smaller.max_depth = 1;
   progressive.set_settings(smaller, view_at({}, 20, settings_.height));
@@ -320,7 +320,7 @@ TEST_F(ProgressiveTest, DoesNotWaitForKernels) {
   KernelCompiler compiler(device());
   Progressive progressive(device(), packed_, view_, settings_, compiler);
   finish(progressive);
-  RenderSettings other = settings_;
+  RenderPlan other = settings_;
   other.sampler = gpu::kSamplerIndependent;
   {
     const std::lock_guard kept(device().queue_mutex()); // no kernel can be tried out, and so none gets ready

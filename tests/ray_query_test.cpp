@@ -50,7 +50,7 @@ TEST(Traversal, IsTheDevicesWhereItHasHardware) {
 }
 
 TEST(Traversal, OfWhatMovesIsOurOwn) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.moving = true;
   EXPECT_EQ(traversal_of(settings), kTraversalCompute);
   settings.traversal = kTraversalHardware;
@@ -64,7 +64,7 @@ struct Loaded {
   View view;
 };
 
-Loaded load(Scene scene, const RenderSettings& settings) {
+Loaded load(Scene scene, const RenderPlan& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   return {pack(scene), view};
 }
@@ -119,7 +119,7 @@ protected:
     settings_.width = 64, settings_.height = 48;
     settings_.last_sample = 2;
     settings_.max_depth = 4;
-    settings_.room_for_shadow_rays = true;
+    settings_.kernels.shadow_rays = true;
     by_query_ = settings_;
     settings_.traversal = kTraversalCompute;
     by_query_.traversal = kTraversalHardware;
@@ -175,7 +175,7 @@ protected:
     EXPECT_LE(different, a.size() / 100);
   }
 
-  RenderSettings settings_, by_query_;
+  RenderPlan settings_, by_query_;
 };
 
 TEST_F(RayQuery, FindsWhatTraversalFinds) { expect_equal_hits(load(shipped("cornell_box.gltf"), settings_)); }

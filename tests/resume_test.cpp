@@ -579,7 +579,7 @@ protected:
 
   Scene scene_ = load_gltf(kCornell);
   PackedScene packed_ = pack(scene_);
-  RenderSettings settings_;
+  RenderPlan settings_;
   std::unique_ptr<KernelCompiler> kernels_;
 };
 

@@ -86,8 +86,8 @@ Scene room() {
 
 class SampledTextures : public VulkanTest {
 protected:
-  static RenderSettings settings(const IntegratorKind& integrator, std::uint32_t textures, std::uint32_t spp) {
-    RenderSettings settings;
+  static RenderPlan settings(const IntegratorKind& integrator, std::uint32_t textures, std::uint32_t spp) {
+    RenderPlan settings;
     settings.width = settings.height = 48;
     settings.last_sample = spp;
     settings.max_depth = 2;
@@ -96,7 +96,7 @@ protected:
     return settings;
   }
 
-  RenderResult render(Scene scene, const RenderSettings& settings) {
+  RenderResult render(Scene scene, const RenderPlan& settings) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const PackedScene packed = pack(scene, {.direct = settings.direct,
                                             .eye = view.position,
@@ -138,7 +138,7 @@ TEST_F(SampledTextures, PicturesAreThoseOfExactOnes) {
 }
 
 TEST_F(SampledTextures, GenericKernelsGiveTheSameBits) {
-  RenderSettings one = settings(kPath, kTexturesHardware, 2);
+  RenderPlan one = settings(kPath, kTexturesHardware, 2);
   const RenderResult specialized = render(room(), one);
   one.specialize = false;
   EXPECT_TRUE(*render(room(), one).film == *specialized.film);
@@ -146,7 +146,7 @@ TEST_F(SampledTextures, GenericKernelsGiveTheSameBits) {
 
 TEST_F(SampledTextures, AWrongGuessOfTheKernelsChangesNoBit) {
   for (const std::uint32_t textures : {kTexturesExact, kTexturesHardware}) {
-    const RenderSettings asked = settings(kPath, textures, 2);
+    const RenderPlan asked = settings(kPath, textures, 2);
     const RenderResult right = render(room(), asked);
     KernelCompiler kernels(device());
     const gpu::Feature guess = gpu::kFeaturesAll & ~gpu::kFeatureNearestTextures;
@@ -167,7 +167,7 @@ TEST_F(SampledTextures, AWrongGuessOfTheKernelsChangesNoBit) {
 TEST_F(SampledTextures, LampsShineAlikeByAllEstimators) {
   std::vector<double> means, errors;
   for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee, gpu::kDirectBsdf}) {
-    RenderSettings by = settings(kPath, kTexturesHardware, 256);
+    RenderPlan by = settings(kPath, kTexturesHardware, 256);
     by.direct = direct;
     by.max_depth = 1;
     Mean mean;
@@ -187,11 +187,11 @@ TEST_F(SampledTextures, LampsShineAlikeByAllEstimators) {
 
 // Frames of one sample look up mip levels, in an atlas as in the texel buffer.
 TEST_F(SampledTextures, HaveMipLevels) {
-  RenderSettings exact = settings(kHybrid, kTexturesExact, 1), sampled = settings(kHybrid, kTexturesHardware, 1);
+  RenderPlan exact = settings(kHybrid, kTexturesExact, 1), sampled = settings(kHybrid, kTexturesHardware, 1);
   Scene far = room();
   far.cameras[0].world_from_camera[3] = {0, 0, 60, 1};
   far.cameras[0].yfov = 0.07;
-  for (RenderSettings* one : {&exact, &sampled}) one->width = one->height = 12;
+  for (RenderPlan* one : {&exact, &sampled}) one->width = one->height = 12;
   const RenderResult a = render(far, sampled), b = render(far, exact);
   EXPECT_LT(distance(a, b).rms, 0.03);
   exact.mips = false;
@@ -221,7 +221,7 @@ TEST_F(SampledTextures, ASceneWithoutTexturesIsAsEver) {
 }
 
 TEST(SamplerLimitsOf, SeveralDevicesAreWhatAllCanHold) {
-  RenderSettings settings;
+  RenderPlan settings;
   DeviceInfo a, b;
   a.max_image_side = 4096, a.max_image_layers = 2048, a.max_image_bytes = 1u << 30, a.max_allocation = 1u << 29;
   b.max_image_side = 16384, b.max_image_layers = 256, b.max_image_bytes = 1u << 28, b.max_allocation = 1u << 30;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-RenderSettings shading_settings(std::string_view model, std::string_view interpolation = "phong") {
-  RenderSettings settings = shadow_settings("traced", 1024);
+RenderPlan shading_settings(std::string_view model, std::string_view interpolation = "phong") {
+  RenderPlan settings = shadow_settings("traced", 1024);
   settings.shading = index_of(kShadingNames, model);
   settings.interpolation = index_of(kInterpolationNames, interpolation);
   settings.aovs = {"position", "depth"};
@@ -85,7 +85,7 @@ TEST_F(ShadingTest, ModelsAreTheirFormulas) {
   for (const std::string_view model : {"lambert", "phong", "blinn-phong"}) {
     SCOPED_TRACE(model);
     const bool shines = model != "lambert";
-    RenderSettings settings = shading_settings(model);
+    RenderPlan settings = shading_settings(model);
     if (shines) settings.shininess = 20.0;
     const Scene scene = quad_scene(shines ? shiny_material() : plain_material());
     for (const Seen& seen : seen_points(render(scene, settings).picture))
@@ -106,7 +106,7 @@ TEST_F(ShadingTest, LambertOfMattSurfacesIsGltf) {
 // Shadow techniques know nothing of the model: what they falsely light and darken stays.
 TEST_F(ShadingTest, ShadowTechniquesAnswerItsRays) {
   const Scene scene = lit_by(spot());
-  RenderSettings local = shading_settings("blinn-phong"), gltf = shading_settings("gltf");
+  RenderPlan local = shading_settings("blinn-phong"), gltf = shading_settings("gltf");
   local.shadows = gltf.shadows = index_of(kShadowNames, "map");
   const std::vector<float> a = light(scene, local), b = light(scene, gltf);
   EXPECT_EQ(false_shares(a, b).total(), 0.0);
@@ -119,7 +119,7 @@ TEST_F(ShadingTest, ExponentsFollowFromRoughness) {
   const Scene scene = quad_scene(material);
   for (const auto& [model, exponent] : {std::pair{"phong", 7.5}, {"blinn-phong", 30.0}}) {
     SCOPED_TRACE(model);
-    RenderSettings told = shading_settings(model);
+    RenderPlan told = shading_settings(model);
     told.shininess = exponent;
     const std::vector<float> a = light(scene, shading_settings(model)), b = light(scene, told);
     for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5f * b[i]);
@@ -139,7 +139,7 @@ glm::dvec3 weights_at(glm::dvec3 p) {
 
 // And so it is Phong's interpolation in a corner, where one of the weights is 1.
 TEST_F(ShadingTest, GouraudInterpolatesTheLightOfCorners) {
-  RenderSettings settings = shading_settings("blinn-phong", "gouraud");
+  RenderPlan settings = shading_settings("blinn-phong", "gouraud");
   settings.shininess = 10.0;
   for (const Seen& seen : seen_points(render(floor_scene(triangle(), shiny_material()), settings).picture)) {
     const glm::dvec3 weights = weights_at(seen.position);
@@ -168,7 +168,7 @@ TEST_F(ShadingTest, GouraudIsCorrectInPerspective) {
 
 TEST_F(ShadingTest, GouraudMissesHighlightsInsideATriangle) {
   const auto brightest = [&](std::string_view interpolation) {
-    RenderSettings settings = shading_settings("phong", interpolation);
+    RenderPlan settings = shading_settings("phong", interpolation);
     settings.shininess = 100.0;
     return std::ranges::max(light(quad_scene(shiny_material()), settings));
   };
@@ -176,7 +176,7 @@ TEST_F(ShadingTest, GouraudMissesHighlightsInsideATriangle) {
 }
 
 TEST_F(ShadingTest, FlatHasOneLightAFace) {
-  RenderSettings settings = shading_settings("phong", "flat");
+  RenderPlan settings = shading_settings("phong", "flat");
   settings.shininess = 5.0;
   std::set<double> lights;
   for (const Seen& seen : seen_points(render(quad_scene(shiny_material()), settings).picture))
@@ -205,7 +205,7 @@ TEST_F(ShadingTest, FlatKnowsNothingOfVertexNormals) {
 }
 
 TEST_F(ShadingTest, AttenuationIsItsPolynomial) {
-  RenderSettings settings = shading_settings("lambert");
+  RenderPlan settings = shading_settings("lambert");
   for (const glm::vec3 terms : {glm::vec3(1, 0, 0), glm::vec3(0.5f, 0.25f, 2), glm::vec3(0, 0, 1)}) {
     settings.attenuation = terms;
     for (const Seen& seen : seen_points(render(quad_scene(plain_material()), settings).picture))
@@ -221,7 +221,7 @@ TEST_F(ShadingTest, DepthCueFadesIntoTheBackground) {
   Scene scene = floor_scene(rectangle({0, 0, 0}, {0, 0, 1}, {1, 1, 0}), material);
   scene.lights.clear();
   scene.environment.radiance = glm::vec3(0.25f);
-  RenderSettings settings = shading_settings("lambert");
+  RenderPlan settings = shading_settings("lambert");
   settings.depth_cue = glm::vec2(2.6f, 3.5f);
   int near = 0, far = 0, between = 0;
   for (const Seen& seen : seen_points(render(scene, settings).picture)) {
@@ -235,7 +235,7 @@ TEST_F(ShadingTest, DepthCueFadesIntoTheBackground) {
 // Reflected light and the ambient term fade as well: behind FAR there is nothing but the background.
 TEST_F(ShadingTest, DepthCueHidesAllLightBehindFar) {
   Scene scene = lit_by(sun());
-  RenderSettings settings = shading_settings("blinn-phong");
+  RenderPlan settings = shading_settings("blinn-phong");
   settings.max_depth = 4;
   settings.ambient = glm::vec3(0.5f);
   EXPECT_GT(std::ranges::max(light(scene, settings)), 0.1f);
@@ -244,7 +244,7 @@ TEST_F(ShadingTest, DepthCueHidesAllLightBehindFar) {
 }
 
 TEST(ShadingSettings, RefusesWhatAModelDoesNotTake) {
-  const auto refusal = [](const RenderSettings& settings) {
+  const auto refusal = [](const RenderPlan& settings) {
     try {
       settings.integrator->check(settings);
     } catch (const UsageError& e) {
@@ -254,7 +254,7 @@ TEST(ShadingSettings, RefusesWhatAModelDoesNotTake) {
   };
   EXPECT_EQ(refusal(shading_settings("lambert", "gouraud")), "");
   EXPECT_NE(refusal(shading_settings("gltf", "flat")).find("--interpolation"), std::string::npos);
-  RenderSettings settings = shading_settings("lambert");
+  RenderPlan settings = shading_settings("lambert");
   settings.shininess = 3.0;
   EXPECT_NE(refusal(settings).find("--shininess"), std::string::npos);
   settings = shading_settings("phong");
@@ -264,7 +264,7 @@ TEST(ShadingSettings, RefusesWhatAModelDoesNotTake) {
   EXPECT_NE(refusal(settings).find("--direct bsdf"), std::string::npos);
   for (const auto& [flag, text] :
        {std::pair{"attenuation", "0,0,0"}, {"attenuation", "-1,0,1"}, {"depth-cue", "3,2"}, {"depth-cue", "3"}}) {
-    RenderSettings any;
+    RenderPlan any;
     EXPECT_THROW(read_setting(setting_named(flag), text, any), UsageError) << flag << " " << text;
   }
 }

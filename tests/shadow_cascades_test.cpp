@@ -10,8 +10,8 @@
 namespace wavepath::test {
 namespace {
 
-RenderSettings cascades(std::string_view technique, std::uint32_t count, std::uint32_t size) {
-  RenderSettings settings = long_settings(technique, size);
+RenderPlan cascades(std::string_view technique, std::uint32_t count, std::uint32_t size) {
+  RenderPlan settings = long_settings(technique, size);
   settings.shadow_cascades = count;
   return settings;
 }
@@ -86,7 +86,7 @@ TEST(CascadeViews, TogetherTheyShowAllReceivers) {
 // The picture's own depths are the reference.
 TEST_F(ShadowTest, BoundsAreTheFramesExactDepths) {
   for (const Scene& scene : {lit_by(sun()), long_rows(sun())}) {
-    RenderSettings settings = cascades("sdsm", 4, 64);
+    RenderPlan settings = cascades("sdsm", 4, 64);
     settings.aovs = {"depth"};
     const RenderResult result = render(scene, settings);
     float nearest = gpu::kFar, farthest = 0.0f;
@@ -106,7 +106,7 @@ TEST_F(ShadowTest, FittedCascadesAreNotWastedOnWhatIsHidden) {
   Scene scene = lit_by(sun());
   add_instance(scene, add_mesh(scene, box({0, -60, 0}, {20, 1, 20}))); // below the floor
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  RenderSettings settings = shadow_settings("cascades", 128);
+  RenderPlan settings = shadow_settings("cascades", 128);
   const double planned = false_shares(truth, light(scene, settings)).total();
   settings.shadows = index_of(kShadowNames, "sdsm");
   const double fitted = false_shares(truth, light(scene, settings)).total();
@@ -115,7 +115,7 @@ TEST_F(ShadowTest, FittedCascadesAreNotWastedOnWhatIsHidden) {
 
 TEST_F(ShadowTest, FramesAreFittedOneByOne) {
   const Scene scene = long_rows(sun());
-  RenderSettings settings = cascades("sdsm", 3, 128);
+  RenderPlan settings = cascades("sdsm", 3, 128);
   settings.last_sample = 3;
   const std::vector<float> whole = light(scene, settings);
   settings.wave_slots = 1024;

@@ -32,9 +32,9 @@ protected:
     while (!shown.is_done() || !comparison.is_done())
       if (!comparison.step()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  Picture rendered(const RenderSettings& settings) { return render(scene_, settings).picture; }
-  RenderSettings traced() const {
-    RenderSettings settings = settings_;
+  Picture rendered(const RenderPlan& settings) { return render(scene_, settings).picture; }
+  RenderPlan traced() const {
+    RenderPlan settings = settings_;
     settings.shadows = kShadowsTraced;
     return settings;
   }
@@ -45,7 +45,7 @@ protected:
 
   Scene scene_;
   PackedScene packed_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   View view_;
 };
 
@@ -59,7 +59,7 @@ TEST_F(ShadowComparisonTest, TruthIsTheTracedRenderAndJudgesTheTechnique) {
   expect_same(comparison.truth().picture(), truth);
 
   // A map of 32 texels is coarse enough for both errors; by the study's own measure.
-  RenderSettings unshadowed = settings_;
+  RenderPlan unshadowed = settings_;
   unshadowed.shadow_ambient = 1.0;
   const Picture light = rendered(unshadowed);
   const auto expected = score_shadows({picture, light}, {truth, light});

@@ -98,15 +98,15 @@ TEST_F(ShadowBounds, ExponentialsTendToComparisons) {
 
 constexpr std::array<std::string_view, 4> kFilterable = {"vsm", "esm", "evsm", "moment"};
 
-RenderSettings filtered(std::string_view name, std::uint32_t size = 256, double blur = 2.5) {
-  RenderSettings settings = shadow_settings(name, size);
+RenderPlan filtered(std::string_view name, std::uint32_t size = 256, double blur = 2.5) {
+  RenderPlan settings = shadow_settings(name, size);
   settings.shadow_blur = blur;
   settings.shadow_bias = gpu::kBiasConstant; // one depth for all of a filter's texels
   return settings;
 }
 // Comparisons over what the others average: 36 places in each texel. Each side of the square is found to 1/12 texel.
-RenderSettings compared(std::uint32_t size = 256, double blur = 2.5) {
-  RenderSettings settings = filtered("pcf", size, blur);
+RenderPlan compared(std::uint32_t size = 256, double blur = 2.5) {
+  RenderPlan settings = filtered("pcf", size, blur);
   settings.shadow_taps = 900;
   return settings;
 }
@@ -115,9 +115,9 @@ constexpr float kTapError = 2.0f / 12.0f / 5.0f;
 class FilterableTest : public ShadowTest {
 protected:
   // Of the light that arrives without shadows.
-  std::vector<float> lit_share(const Scene& scene, RenderSettings settings) {
+  std::vector<float> lit_share(const Scene& scene, RenderPlan settings) {
     const std::vector<float> picture = light(scene, settings);
-    RenderSettings whole = shadow_settings("map", 16);
+    RenderPlan whole = shadow_settings("map", 16);
     whole.width = settings.width, whole.height = settings.height;
     whole.shadow_ambient = 1.0;
     const std::vector<float> full = light(scene, whole);
@@ -165,7 +165,7 @@ TEST_F(FilterableTest, AParallelPlateCastsComparisonsShadow) {
   ASSERT_LT(mean(shares), 0.95);
   for (const std::string_view name : kFilterable) {
     SCOPED_TRACE(name);
-    RenderSettings settings = filtered(name);
+    RenderPlan settings = filtered(name);
     settings.shadow_bias_amount = 1e-3; // more would bring the planes closer to each other
     const std::vector<float> bound = lit_share(scene, settings);
     for (std::size_t i = 0; i < shares.size(); ++i) EXPECT_NEAR(bound[i], shares[i], kTapError + 3e-3f) << i;
@@ -217,7 +217,7 @@ TEST_F(FilterableTest, SmallExponentsLeakNearContacts) {
   const std::vector<float> shares = lit_share(scene, compared());
   std::vector<double> leaks;
   for (const double exponent : {10.0, 30.0, 80.0}) {
-    RenderSettings settings = filtered("esm");
+    RenderPlan settings = filtered("esm");
     settings.shadow_exponent = exponent;
     const std::vector<float> bound = lit_share(scene, settings);
     double leak = 0.0, dark = 0.0;
@@ -232,7 +232,7 @@ TEST_F(FilterableTest, SmallExponentsLeakNearContacts) {
 
 TEST_F(FilterableTest, SixteenBitsAreNearlyAsGood) {
   const Scene scene = lit_by(spot());
-  RenderSettings whole = filtered("moment"), half = whole;
+  RenderPlan whole = filtered("moment"), half = whole;
   half.shadow_bits = 16;
   const double difference = distance(lit_share(scene, whole), lit_share(scene, half));
   EXPECT_GT(difference, 1e-6);
@@ -259,7 +259,7 @@ TEST_F(FilterableTest, AFloorThatTheSunGrazesIsLit) {
   scene.instances.resize(1); // the floor alone
   for (const std::string_view name : kFilterable) {
     SCOPED_TRACE(name);
-    RenderSettings settings = shadow_settings(name, 128);
+    RenderPlan settings = shadow_settings(name, 128);
     settings.shadow_blur = 2.5;
     for (const float share : lit_share(scene, settings)) ASSERT_GT(share, 0.95f); // rounding, and rims of the view
   }

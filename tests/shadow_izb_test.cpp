@@ -13,10 +13,10 @@ namespace {
 class IzbTest : public ShadowTest {
 protected:
   // Every channel is that of traced shadows, and those are none that light samples alone would make.
-  RenderResult expect_traced(const Scene& scene, const RenderSettings& settings) {
-    RenderSettings traced = settings;
+  RenderResult expect_traced(const Scene& scene, const RenderPlan& settings) {
+    RenderPlan traced = settings;
     traced.shadows = kShadowsTraced;
-    traced.shadow_size = RenderSettings{}.shadow_size;
+    traced.shadow_size = RenderPlan{}.shadow_size;
     const RenderResult truth = render(scene, traced);
     RenderResult listed = render(scene, settings);
     for (std::size_t channel = 0; channel < 3; ++channel)
@@ -40,9 +40,9 @@ TEST_F(IzbTest, ListsHoldEveryRay) {
   for (const auto& [name, scene] :
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
-    RenderSettings all = shadow_settings("izb"), dark = all;
+    RenderPlan all = shadow_settings("izb"), dark = all;
     all.shadow_ambient = 1.0;
-    RenderSettings by_map = shadow_settings("map");
+    RenderPlan by_map = shadow_settings("map");
     by_map.shadow_ambient = 1.0;
     EXPECT_EQ(light(scene, all), light(scene, by_map));
     EXPECT_GT(false_shares(light(scene, all), light(scene, dark)).dark, 0.02); // there are shadows
@@ -71,7 +71,7 @@ TEST_F(IzbTest, SurfacesLetLightThroughAsTracedOnesDo) {
   for (const float height : {1.2f, 1.4f, 1.6f, 1.8f})
     add_instance(scene, add_mesh(scene, rectangle({-0.4f, height, height - 1.5f}, {0, 0, 0.4f}, {0.5f, 0, 0}), 1));
   add_instance(scene, add_mesh(scene, rectangle({0.4f, 1.3f, 0.2f}, {0, 0, 0.6f}, {0.6f, 0, 0}), 2));
-  RenderSettings settings = shadow_settings("izb", 256);
+  RenderPlan settings = shadow_settings("izb", 256);
   settings.last_sample = 2;
   expect_traced(scene, settings);
 }
@@ -81,7 +81,7 @@ TEST_F(IzbTest, SurfacesAreCulledAsTracedOnesAre) {
   add_instance(scene, add_mesh(scene, rectangle({-0.5f, 1.5f, 0.5f}, {0, 0, 0.6f}, {0.6f, 0, 0}))); // faces the sun
   std::vector<std::vector<float>> pictures;
   for (const std::uint32_t cull : {gpu::kCullCamera, gpu::kCullAll}) {
-    RenderSettings settings = shadow_settings("izb", 256);
+    RenderPlan settings = shadow_settings("izb", 256);
     settings.cull = cull;
     pictures.push_back(expect_traced(scene, settings).picture.channels[1].values);
   }
@@ -116,7 +116,7 @@ TEST_F(IzbTest, FewCellsHaveLongLists) {
 }
 
 TEST_F(IzbTest, SameBitsHoweverTheWorkIsCut) {
-  RenderSettings settings = shadow_settings("izb", 64);
+  RenderPlan settings = shadow_settings("izb", 64);
   settings.last_sample = 3;
   const std::vector<float> whole = light(lit_by(lamp()), settings);
   settings.wave_slots = 1024;

@@ -75,9 +75,9 @@ TEST_F(LightmapTest, TexelsHoldTheTracedShadowOfTheirPoint) {
     const glm::dvec3 middle(glm::dvec3(1, 0, 1) * (first + 0.5 * (kPixels - 1) * pitch));
     seen.cameras.front() = camera_above(middle, 0.5 * kPixels * pitch);
     seen.cameras.front().world_from_camera[3].y = 0.01; // below all but the box that stands on the floor
-    RenderSettings settings = shadow_settings("lightmap", kSize), bright = settings, traced = shadow_settings("traced");
+    RenderPlan settings = shadow_settings("lightmap", kSize), bright = settings, traced = shadow_settings("traced");
     bright.shadow_ambient = 1.0;
-    for (RenderSettings* one : {&settings, &bright, &traced}) one->width = one->height = kPixels;
+    for (RenderPlan* one : {&settings, &bright, &traced}) one->width = one->height = kPixels;
     traced.aovs = {"position"};
     const Picture place = render(seen, traced).picture;
     const glm::dvec3 at(channel(place, "P.X").front(), 0.0, channel(place, "P.Z").front());
@@ -114,7 +114,7 @@ TEST_F(LightmapTest, ConvergesToTracedShadows) {
 
 // Penumbrae: the share of the lamp's points that a texel sees.
 TEST_F(LightmapTest, LampsWithAnExtentHavePenumbrae) {
-  RenderSettings settings = shadow_settings("lightmap", 256), traced = shadow_settings("traced");
+  RenderPlan settings = shadow_settings("lightmap", 256), traced = shadow_settings("traced");
   settings.last_sample = traced.last_sample = 32;
   const std::vector<float> truth = light(lit_by_square(), traced);
   settings.shadow_taps = 32;
@@ -153,7 +153,7 @@ TEST_F(LightmapTest, SurfacesLetLightThroughAsTracedOnesDo) {
   add_instance(scene, add_mesh(scene, rectangle({-1.6f, 0.5f, -1.0f}, {0, 0, 0.8f}, {0.8f, 0, 0}), 1));
   scene.cameras.front() = camera_above({-1.6, 0.0, -1.0}, 0.3);
   scene.cameras.front().world_from_camera[3].y = 0.3; // below the veil
-  RenderSettings settings = shadow_settings("lightmap", 256), traced = shadow_settings("traced"), bright = settings;
+  RenderPlan settings = shadow_settings("lightmap", 256), traced = shadow_settings("traced"), bright = settings;
   bright.shadow_ambient = 1.0;
   const double truth = mean(light(scene, traced)), whole = mean(light(scene, bright));
   EXPECT_NEAR(truth, 0.7 * whole, 1e-4 * whole);
@@ -172,7 +172,7 @@ TEST_F(LightmapTest, LightLeaksAcrossEdgesOfCharts) {
   scene.lights.push_back(sun({0.0, -1.0, 0.0}));
   scene.cameras.push_back(camera_above({5, 0, 0}, 0.99));
   scene.cameras.front().world_from_camera[3].y = 1.0; // under the roof, where all is dark
-  RenderSettings settings = shadow_settings("lightmap", kSize);
+  RenderPlan settings = shadow_settings("lightmap", kSize);
   settings.width = settings.height = 64;
   std::uint32_t side = 0;
   for (const Texel& texel : texels_of(packed(scene), kSize))
@@ -216,7 +216,7 @@ TEST_F(LightmapTest, ChartsAreAsLargeAsSurfaces) {
 }
 
 TEST_F(LightmapTest, SameBitsHoweverTheWorkIsCut) {
-  RenderSettings settings = shadow_settings("lightmap", 128);
+  RenderPlan settings = shadow_settings("lightmap", 128);
   settings.last_sample = 3;
   settings.shadow_samples = 2;
   const std::vector<float> whole = light(lit_by(lamp()), settings);

@@ -40,8 +40,8 @@ struct Technique {
   Many lights;
 };
 
-RenderSettings small(std::string_view technique) {
-  RenderSettings settings = shadow_settings(technique, RenderSettings{}.shadow_size);
+RenderPlan small(std::string_view technique) {
+  RenderPlan settings = shadow_settings(technique, RenderPlan{}.shadow_size);
   settings.width = 32, settings.height = 24;
   return settings;
 }
@@ -50,7 +50,7 @@ class ManyLights : public ShadowTest, public testing::WithParamInterface<Techniq
 class ChosenSize : public ShadowTest {};
 
 TEST_P(ManyLights, EightFitAtTheDefaultSize) {
-  const RenderSettings settings = small(GetParam().name);
+  const RenderPlan settings = small(GetParam().name);
   const RenderResult result = render(lit_by_many(GetParam().lights, 8), settings);
   const auto& green = result.picture.channels[1].values;
   EXPECT_GT(*std::ranges::max_element(green), 0.0f);
@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(OfEveryTechnique, ManyLights,
                          });
 
 TEST_F(ChosenSize, IsKeptOrRefused) {
-  RenderSettings settings = small("vsm");
+  RenderPlan settings = small("vsm");
   settings.shadow_size = 512;
   const RenderResult result = render(lit_by_many(Many::spots, 2), settings);
   EXPECT_EQ(result.shadows->size, 512u);

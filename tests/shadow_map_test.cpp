@@ -29,7 +29,7 @@ TEST_F(ShadowTest, RasterizedMapsAreTracedMaps) {
   for (const auto& [name, scene] :
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
-    RenderSettings raster = shadow_settings("map", 512), traced = raster;
+    RenderPlan raster = shadow_settings("map", 512), traced = raster;
     traced.shadow_source = kShadowSourceTraced;
     // Rasterizers snap corners to a grid of at best 1/256 texel, so that a few texels at edges differ.
     EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.002);
@@ -39,7 +39,7 @@ TEST_F(ShadowTest, RasterizedMapsAreTracedMaps) {
 TEST_F(ShadowTest, UnbiasedMapsHaveAcneAndBiasEndsIt) {
   const Scene scene = lit_by(sun());
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  RenderSettings settings = shadow_settings("map", 256);
+  RenderPlan settings = shadow_settings("map", 256);
   settings.shadow_bias = gpu::kBiasConstant;
   settings.shadow_bias_amount = 0.0;
   EXPECT_GT(false_shares(truth, light(scene, settings)).dark, 0.1);
@@ -60,7 +60,7 @@ TEST_F(ShadowTest, MidpointsNeedNoClosedBodies) {
   for (const glm::vec3& p : rectangle({0, 0.5f, 0}, {0, 0, 0.5f}, {0.5f, 0, 0})) corners.push_back(p);
   add_instance(scene, add_mesh(scene, corners));
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  RenderSettings settings = shadow_settings("map", 512);
+  RenderPlan settings = shadow_settings("map", 512);
   settings.shadow_bias = gpu::kBiasSecondDepth;
   EXPECT_GT(false_shares(truth, light(scene, settings)).lit, 0.02);
   settings.shadow_bias = gpu::kBiasMidpoint;
@@ -69,13 +69,13 @@ TEST_F(ShadowTest, MidpointsNeedNoClosedBodies) {
 
 TEST_F(ShadowTest, BiasBySurfacesBehindIsForRasterizedMaps) {
   for (const std::string_view kind : {"second-depth", "midpoint"}) {
-    RenderSettings settings = shadow_settings("map", 64);
+    RenderPlan settings = shadow_settings("map", 64);
     settings.shadow_bias = index_of(kShadowBiasNames, kind);
     EXPECT_NO_THROW(kHybrid.check(settings));
     settings.shadow_source = kShadowSourceTraced;
     EXPECT_THROW(kHybrid.check(settings), UsageError);
   }
-  RenderSettings settings = shadow_settings("virtual", 64);
+  RenderPlan settings = shadow_settings("virtual", 64);
   settings.shadow_bias = gpu::kBiasMidpoint;
   EXPECT_THROW(kHybrid.check(settings), UsageError);
 }
@@ -85,7 +85,7 @@ TEST_F(ShadowTest, MapsOfTrianglesNeedNoBias) {
   for (const auto& [name, scene] : {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}}) {
     SCOPED_TRACE(name);
     const std::vector<float> truth = light(scene, shadow_settings("traced"));
-    RenderSettings unbiased = shadow_settings("map", 256);
+    RenderPlan unbiased = shadow_settings("map", 256);
     unbiased.shadow_bias = gpu::kBiasConstant;
     unbiased.shadow_bias_amount = 0.0;
     EXPECT_GT(false_shares(truth, light(scene, unbiased)).dark, 0.05);
@@ -110,7 +110,7 @@ TEST_F(ShadowTest, MapsOfTrianglesLeakAlongSharedEdges) {
 
 TEST_F(ShadowTest, AFilterOfNoSizeIsTheMap) {
   const Scene scene = lit_by(spot());
-  RenderSettings filtered = shadow_settings("pcf", 128);
+  RenderPlan filtered = shadow_settings("pcf", 128);
   filtered.shadow_blur = 0.0;
   EXPECT_EQ(light(scene, filtered), light(scene, shadow_settings("map", 128)));
 }
@@ -118,7 +118,7 @@ TEST_F(ShadowTest, AFilterOfNoSizeIsTheMap) {
 // With a tap for every texel, the filter is the mean of the maps' answers around a place.
 TEST_F(ShadowTest, AFilterIsTheMeanOfComparisons) {
   const Scene scene = lit_by(sun());
-  RenderSettings few = shadow_settings("pcf", 256), many = few;
+  RenderPlan few = shadow_settings("pcf", 256), many = few;
   few.shadow_blur = many.shadow_blur = 3.0;
   few.shadow_taps = 36, many.shadow_taps = 1024;
   const std::vector<float> a = light(scene, few), b = light(scene, many),
@@ -136,7 +136,7 @@ TEST_F(ShadowTest, PatternsAgreeOnAverage) {
   const Scene scene = lit_by(spot());
   std::vector<double> means;
   for (std::uint32_t pattern = 0; pattern < kShadowPatternNames.size(); ++pattern) {
-    RenderSettings settings = shadow_settings("pcf", 256);
+    RenderPlan settings = shadow_settings("pcf", 256);
     settings.shadow_pattern = pattern;
     settings.shadow_taps = 64;
     const std::vector<float> picture = light(scene, settings);
@@ -163,7 +163,7 @@ TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
   camera.xmag = 0.6, camera.ymag = 0.01; // the picture's width follows from its height
   camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0.5, 0, 1}};
   scene.cameras.push_back(camera);
-  RenderSettings settings = shadow_settings("pcss", 1024);
+  RenderPlan settings = shadow_settings("pcss", 1024);
   settings.width = 240, settings.height = 4;
   settings.shadow_taps = 400;
   const std::vector<float> soft = light(scene, settings);
@@ -183,7 +183,7 @@ TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
 
 TEST_F(ShadowTest, LightInShadowIsAShareOfTheLight) {
   const Scene scene = lit_by(sun());
-  RenderSettings settings = shadow_settings("map");
+  RenderPlan settings = shadow_settings("map");
   const std::vector<float> dark = light(scene, settings);
   settings.shadow_ambient = 0.4;
   const std::vector<float> bright = light(scene, settings);
@@ -197,7 +197,7 @@ TEST_F(ShadowTest, LightInShadowIsAShareOfTheLight) {
 TEST_F(ShadowTest, LightsThatATechniqueDoesNotCoverAreTraced) {
   Scene scene = lit_by_square();
   scene.lights.push_back(sun());
-  RenderSettings traced = shadow_settings("traced"), soft = shadow_settings("pcss");
+  RenderPlan traced = shadow_settings("traced"), soft = shadow_settings("pcss");
   traced.last_sample = soft.last_sample = 24;
   const std::vector<float> a = light(scene, traced), b = light(scene, soft);
   std::size_t far_apart = 0;
@@ -207,7 +207,7 @@ TEST_F(ShadowTest, LightsThatATechniqueDoesNotCoverAreTraced) {
 
 TEST_F(ShadowTest, SameBitsHoweverTheWorkIsCut) {
   const Scene scene = lit_by(spot());
-  RenderSettings settings = shadow_settings("pcf", 256);
+  RenderPlan settings = shadow_settings("pcf", 256);
   settings.shadow_pattern = gpu::kPatternVogel;
   settings.last_sample = 3;
   const std::vector<float> whole = light(scene, settings);
@@ -250,7 +250,7 @@ TEST_F(ShadowTest, RefusesMapsThatDoNotFit) {
 TEST(ShadowSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
   ASSERT_EQ(shadow_kinds().size() + 1, kShadowNames.size());
   for (std::size_t i = 0; i < shadow_kinds().size(); ++i) EXPECT_EQ(shadow_kinds()[i]->name, kShadowNames[i + 1]);
-  RenderSettings settings = shadow_settings("map");
+  RenderPlan settings = shadow_settings("map");
   EXPECT_NO_THROW(check_shadow_settings(settings));
   settings.shadow_taps = 9; // of filters
   EXPECT_THROW(check_shadow_settings(settings), UsageError);

@@ -18,8 +18,8 @@ constexpr int kWidth = 96, kHeight = 72;
 
 bool is_on_floor(const glm::vec3& p) { return std::abs(p.y) < 1e-4f; }
 
-RenderSettings planar_settings(std::string_view technique = "planar") {
-  RenderSettings settings = shadow_settings(technique);
+RenderPlan planar_settings(std::string_view technique = "planar") {
+  RenderPlan settings = shadow_settings(technique);
   settings.aovs = {"position", "depth"};
   return settings;
 }
@@ -43,7 +43,7 @@ protected:
   // only. Elsewhere it is the light without any shadow.
   template <typename Receives>
   void expect_traced_on_planes(const Scene& scene, const Receives& receives, double most = 0.1) {
-    RenderSettings bright = planar_settings();
+    RenderPlan bright = planar_settings();
     bright.shadow_ambient = 1.0;
     const RenderResult traced = render(scene, planar_settings("traced"));
     const std::vector<glm::vec3> points = seen(traced);
@@ -160,7 +160,7 @@ TEST_F(PlanarTest, NothingBeneathThePlaneCasts) {
 }
 
 TEST_F(PlanarTest, SameBitsHoweverTheWorkIsCut) {
-  RenderSettings settings = planar_settings();
+  RenderPlan settings = planar_settings();
   settings.last_sample = 3;
   settings.shadow_samples = 2;
   const std::vector<float> whole = light(lit_by(lamp()), settings);

@@ -37,7 +37,7 @@ class PointShadows : public ShadowTest {
 protected:
   std::vector<float> picture(const Scene& scene, std::string_view technique, std::uint32_t size,
                              std::uint32_t source = kShadowSourceRaster) {
-    RenderSettings settings = shadow_settings(technique, size);
+    RenderPlan settings = shadow_settings(technique, size);
     settings.shadow_source = source;
     return light(scene, settings);
   }
@@ -62,7 +62,7 @@ TEST_F(PointShadows, AFaceOfTheCubeIsASpotsMap) {
   with_lamp.lights.push_back(point);
   with_spot.lights.push_back(cone);
   const std::vector<float> of_cube = picture(with_lamp, "cube", 128), of_spot = picture(with_spot, "map", 128);
-  RenderSettings unshadowed = shadow_settings("map", 128);
+  RenderPlan unshadowed = shadow_settings("map", 128);
   unshadowed.shadow_ambient = 1.0;
   const std::vector<float> all = light(with_spot, unshadowed);
   std::size_t reached = 0, dark = 0, unlike = 0;
@@ -104,7 +104,7 @@ TEST_F(PointShadows, BiasEndsAcneBesideTheAxis) {
   const Scene scene = lit_by(spot());
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   for (const std::string_view kind : {"slope", "normal", "plane"}) {
-    RenderSettings settings = shadow_settings("map", 1024);
+    RenderPlan settings = shadow_settings("map", 1024);
     settings.shadow_bias = index_of(kShadowBiasNames, kind);
     EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.001) << kind;
   }
@@ -116,7 +116,7 @@ TEST_F(PointShadows, BiasEndsAcne) {
   for (const std::string_view technique : {"cube", "paraboloid"})
     for (const std::string_view kind : {"slope", "normal", "plane"}) { // cones stand for slopes of 1 alone
       SCOPED_TRACE(std::string(technique) + " " + std::string(kind));
-      RenderSettings settings = shadow_settings(technique, 256);
+      RenderPlan settings = shadow_settings(technique, 256);
       settings.shadow_source = kShadowSourceTraced;
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
       EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.015);

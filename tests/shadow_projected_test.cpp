@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 72;
 
-RenderSettings settings_of(std::string_view technique) {
-  return shadow_settings(technique, technique == "projected" ? 2048 : RenderSettings{}.shadow_size);
+RenderPlan settings_of(std::string_view technique) {
+  return shadow_settings(technique, technique == "projected" ? 2048 : RenderPlan{}.shadow_size);
 }
 
 class ProjectedTest : public ShadowTest {};
@@ -33,7 +33,7 @@ TEST_F(ProjectedTest, ShadowsArePlanarOnes) {
     SCOPED_TRACE(name);
     const std::vector<float> planar = light(scene, settings_of("planar")),
                              picture = light(scene, settings_of("projected"));
-    RenderSettings bright = settings_of("planar");
+    RenderPlan bright = settings_of("planar");
     bright.shadow_ambient = 1.0;
     const std::vector<float> whole = light(scene, bright);
     int dark = 0, wrong = 0;
@@ -65,7 +65,7 @@ Camera camera_below(const glm::dvec3& eye, double half) {
 TEST_F(ProjectedTest, NothingBehindTheProjectorIsChanged) {
   Scene scene = lit_by(lamp());
   add_instance(scene, add_mesh(scene, rectangle({0, 3, 0}, {3, 0, 0}, {0, 0, 3})));
-  RenderSettings bright = settings_of("projected");
+  RenderPlan bright = settings_of("projected");
   bright.shadow_ambient = 1.0;
   EXPECT_NE(light(scene, settings_of("projected")), light(scene, bright)); // there are shadows on the floor
   scene.cameras.front() = camera_below({0, 2.5, 0}, 2.0);
@@ -91,7 +91,7 @@ protected:
 
   // `value`: of the pixel in column x and row y.
   template <typename Value>
-  RenderSettings with_cookie(std::uint32_t side, const Value& value) {
+  RenderPlan with_cookie(std::uint32_t side, const Value& value) {
     Picture picture{.width = side, .height = side};
     for (const char* name : {"R", "G", "B"}) {
       Channel channel{.name = name};
@@ -99,7 +99,7 @@ protected:
       picture.channels.push_back(channel);
     }
     write_picture(path_, picture, {}, {});
-    RenderSettings settings = settings_of("projected");
+    RenderPlan settings = settings_of("projected");
     settings.shadow_cookie = path_;
     return settings;
   }
@@ -109,7 +109,7 @@ protected:
 };
 
 TEST_F(CookieTest, OneValueEverywhereScalesTheLight) {
-  const RenderSettings half = with_cookie(3, [](auto, auto) { return 0.5f; });
+  const RenderPlan half = with_cookie(3, [](auto, auto) { return 0.5f; });
   for (const auto& [name, scene, share] :
        {std::tuple{"sun", lit_by(sun()), 0.5f}, {"spot", lit_by(spot()), 0.5f}, {"lamp", lit_by(lamp()), 1.0f}}) {
     SCOPED_TRACE(name);
@@ -126,7 +126,7 @@ TEST_F(CookieTest, CheckersLandWhereTheProjectionSays) {
   const auto checker = [](int x, int y) {
     return (std::clamp(x, 0, kSide - 1) / 2 + std::clamp(y, 0, kSide - 1)) % 2 ? 1.0f : 0.25f;
   };
-  const RenderSettings settings = with_cookie(kSide, [&](auto x, auto y) { return checker(int(x), int(y)); });
+  const RenderPlan settings = with_cookie(kSide, [&](auto x, auto y) { return checker(int(x), int(y)); });
   for (const PunctualLight& source : {sun(), spot()}) {
     const bool is_sun = source.kind == LightKind::directional;
     SCOPED_TRACE(is_sun ? "sun" : "spot");
@@ -139,7 +139,7 @@ TEST_F(CookieTest, CheckersLandWhereTheProjectionSays) {
       const glm::dvec2 at(glm::dot(right, corner), glm::dot(up, corner));
       lo = i == 0 ? at : glm::min(lo, at), hi = i == 0 ? at : glm::max(hi, at);
     }
-    RenderSettings plain = settings_of("projected");
+    RenderPlan plain = settings_of("projected");
     plain.aovs = {"position"};
     const RenderResult whole = render(scene, plain);
     const std::vector<float> picture = light(scene, settings);
@@ -175,7 +175,7 @@ TEST_F(CookieTest, CountsByItsContents) {
 }
 
 TEST_F(CookieTest, RefusesWhatIsNoCookie) {
-  RenderSettings settings = with_cookie(2, [](auto, auto) { return 1.0f; });
+  RenderPlan settings = with_cookie(2, [](auto, auto) { return 1.0f; });
   settings.shadows = index_of(kShadowNames, "map");
   EXPECT_THROW(check_shadow_settings(settings), UsageError);
   EXPECT_THROW(render(lit_by(sun()), with_cookie(2, [](auto, auto) { return -1.0f; })), Error);

@@ -65,8 +65,8 @@ inline std::uint32_t index_of(std::span<const std::string_view> names, std::stri
 }
 
 // The picture's settings: one frame of direct light, so that techniques see the same points as rays do.
-inline RenderSettings shadow_settings(std::string_view technique, std::uint32_t map_size = 512) {
-  RenderSettings settings;
+inline RenderPlan shadow_settings(std::string_view technique, std::uint32_t map_size = 512) {
+  RenderPlan settings;
   settings.integrator = &kHybrid;
   settings.width = 96, settings.height = 72;
   settings.last_sample = 1;
@@ -159,13 +159,13 @@ inline const std::vector<float>& channel(const Picture& picture, std::string_vie
 // Renders with kernels that tests share.
 class ShadowTest : public VulkanTest {
 protected:
-  RenderResult render(Scene scene, const RenderSettings& settings) {
+  RenderResult render(Scene scene, const RenderPlan& settings) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const PackedScene packed = pack(scene, {.direct = direct_of(settings)});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
   // Green of every pixel.
-  std::vector<float> light(const Scene& scene, const RenderSettings& settings) {
+  std::vector<float> light(const Scene& scene, const RenderPlan& settings) {
     return render(scene, settings).picture.channels[1].values;
   }
 };

@@ -120,8 +120,8 @@ TEST_F(SummedAreas, MeansCountTexelsByThePartInside) {
 class SoftTest : public ShadowTest {
 protected:
   // A small picture with little noise, and the same points of the lamp for all techniques.
-  static RenderSettings fine(std::string_view name, std::uint32_t taps = 16) {
-    RenderSettings settings = shadow_settings(name, name == "traced" ? 1024 : 512);
+  static RenderPlan fine(std::string_view name, std::uint32_t taps = 16) {
+    RenderPlan settings = shadow_settings(name, name == "traced" ? 1024 : 512);
     settings.width = 32, settings.height = 24;
     settings.last_sample = 128;
     if (name != "traced" && name != "map") settings.shadow_taps = taps;
@@ -137,7 +137,7 @@ protected:
 // All in one test, because the truth takes longest: 1024 rays a pixel.
 TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
   const Scene scene = lit_by_square(0.4f);
-  RenderSettings traced = fine("traced");
+  RenderPlan traced = fine("traced");
   traced.last_sample = 1024;
   const std::vector<float> truth = light(scene, traced);
   const double hard = error(truth, light(scene, fine("map")));
@@ -163,7 +163,7 @@ Scene lit_by_disc() {
 
 TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
   const Scene scene = lit_by_disc();
-  RenderSettings traced = fine("traced");
+  RenderPlan traced = fine("traced");
   traced.last_sample = 256;
   const std::vector<float> truth = light(scene, traced);
   const double hard = error(truth, light(scene, fine("map")));
@@ -176,7 +176,7 @@ TEST_F(SoftTest, SpheresCastSoftShadowsToo) {
   const Scene scene = lit_by_lamp(ball({-0.6f, 2.0f, 0.3f}, 0.35f));
   // As shares of the light that would arrive without shadows: of 352 facets, each sample takes one, which is noise.
   const auto shares = [&](std::string_view name, std::uint32_t samples, std::uint32_t taps) {
-    RenderSettings settings = fine(name, taps), bright = fine("map");
+    RenderPlan settings = fine(name, taps), bright = fine("map");
     settings.last_sample = bright.last_sample = samples;
     bright.shadow_ambient = 1.0;
     std::vector<float> picture = light(scene, settings);
@@ -205,7 +205,7 @@ TEST_F(SoftTest, SameBitsHoweverTheWorkIsCut) {
                                     {"leak", lit_by(spot())},
                                     {"moment", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
-    RenderSettings settings = shadow_settings(name, 128);
+    RenderPlan settings = shadow_settings(name, 128);
     settings.last_sample = 3;
     const std::vector<float> whole = light(scene, settings);
     settings.wave_slots = 1024;
@@ -216,7 +216,7 @@ TEST_F(SoftTest, SameBitsHoweverTheWorkIsCut) {
 TEST_F(SoftTest, TheShadowOfAPointIsTheMapFiltered) {
   const Scene scene = lit_by_square(0.002f);
   const auto picture = [&](std::string_view name) {
-    RenderSettings settings = shadow_settings(name, 256);
+    RenderPlan settings = shadow_settings(name, 256);
     settings.shadow_bias = gpu::kBiasConstant;
     if (name == "vsm") settings.shadow_blur = 0.0;
     return light(scene, settings);
@@ -250,7 +250,7 @@ class EdgeTest : public SoftTest {
 protected:
   // Shares of the light along the edge's normal, from -0.4 to 0.4 metres.
   std::vector<float> profile(std::string_view name, std::uint32_t taps) {
-    RenderSettings settings = shadow_settings(name, 512);
+    RenderPlan settings = shadow_settings(name, 512);
     settings.width = 160, settings.height = 1;
     settings.shadow_taps = taps;
     const std::vector<float> dark = light(half_plane(), settings);

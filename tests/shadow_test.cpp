@@ -59,7 +59,7 @@ protected:
   Picture render(Scene scene, const IntegratorKind* integrator, std::uint32_t spp, std::uint32_t depth,
                  bvh::Quality quality = bvh::Quality::fast) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
-    RenderSettings settings;
+    RenderPlan settings;
     settings.width = 8, settings.height = 8;
     settings.last_sample = spp;
     settings.max_depth = depth;

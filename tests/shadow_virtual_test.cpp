@@ -13,7 +13,7 @@ TEST_F(ShadowTest, PagesAnswerAsTheMapOfTheSameSize) {
     for (const std::uint32_t size : {100u, 512u})
       for (const std::uint32_t source : {kShadowSourceRaster, kShadowSourceTraced}) {
         SCOPED_TRACE(size);
-        RenderSettings paged = shadow_settings("virtual", size), whole = shadow_settings("map", size);
+        RenderPlan paged = shadow_settings("virtual", size), whole = shadow_settings("map", size);
         paged.shadow_source = whole.shadow_source = source;
         EXPECT_EQ(light(scene, paged), light(scene, whole));
       }
@@ -53,7 +53,7 @@ TEST_F(ShadowTest, RaysToPagesThatFindNoRoomAreTraced) {
 // Each frame sees other points; the pages that it adds join those of the frames before.
 TEST_F(ShadowTest, MorePagesComeWithMoreFrames) {
   const Scene scene = lit_by(spot());
-  RenderSettings one = shadow_settings("virtual", 4096), many = one, map = shadow_settings("map", 4096);
+  RenderPlan one = shadow_settings("virtual", 4096), many = one, map = shadow_settings("map", 4096);
   many.last_sample = map.last_sample = 5;
   const RenderResult result = render(scene, many);
   EXPECT_EQ(result.picture.channels[1].values, light(scene, map));

@@ -51,7 +51,7 @@ TEST_F(VolumeTest, CountedBehindWhatIsSeenAreTracedShadows) {
       SCOPED_TRACE(std::string(name) + (open ? ", open" : ""));
       Scene scene = open ? open_and_placed() : bodies();
       scene.lights = {light_of};
-      const RenderSettings settings = shadow_settings("zfail");
+      const RenderPlan settings = shadow_settings("zfail");
       const std::vector<float> truth = light(scene, shadow_settings("traced"));
       EXPECT_GT(std::ranges::count(truth, 0.0f), 200);
       EXPECT_LT(static_cast<double>(differing(truth, light(scene, settings), settings.width)),
@@ -80,14 +80,14 @@ TEST_F(VolumeTest, CountedInFrontAreWrongWhereTheEyeIsInShadow) {
   add_instance(scene, add_mesh(scene, box({0.5f, 4.5f, 3.4f}, {0.2f, 0.2f, 0.2f})));
   scene.lights = {sun({0, -1, 0})};
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  const RenderSettings settings = shadow_settings("zfail");
+  const RenderPlan settings = shadow_settings("zfail");
   EXPECT_LT(differing(truth, light(scene, settings), settings.width), truth.size() / 100);
   EXPECT_GT(false_shares(truth, light(scene, shadow_settings("zpass"))).dark, 0.3);
 }
 
 TEST_F(VolumeTest, SameBitsHoweverTheWorkIsCut) {
   const Scene scene = lit_by(lamp());
-  RenderSettings settings = shadow_settings("zfail");
+  RenderPlan settings = shadow_settings("zfail");
   settings.last_sample = 3;
   const std::vector<float> whole = light(scene, settings);
   settings.wave_slots = 1000;
@@ -96,7 +96,7 @@ TEST_F(VolumeTest, SameBitsHoweverTheWorkIsCut) {
 
 TEST_F(VolumeTest, LightInShadowIsAShareOfTheLight) {
   const Scene scene = lit_by(spot());
-  RenderSettings settings = shadow_settings("zfail");
+  RenderPlan settings = shadow_settings("zfail");
   const std::vector<float> dark = light(scene, settings);
   settings.shadow_ambient = 1.0;
   const std::vector<float> lit = light(scene, settings);

@@ -42,7 +42,7 @@ TEST_F(ShadowTest, WarpedMapsMendWhatIsNear) {
 TEST_F(ShadowTest, RasterizedWarpedMapsAreTracedOnes) {
   const Scene scene = long_rows(sun());
   for (const std::string_view technique : kWarps) {
-    RenderSettings raster = long_settings(technique, 256), traced = raster;
+    RenderPlan raster = long_settings(technique, 256), traced = raster;
     traced.shadow_source = kShadowSourceTraced;
     EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.004) << technique;
   }
@@ -53,7 +53,7 @@ TEST_F(ShadowTest, EveryBiasEndsAcneOfWarpedMaps) {
   const std::vector<float> truth = light(scene, long_settings("traced"));
   for (const std::string_view technique : kWarps)
     for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth", "midpoint"}) {
-      RenderSettings settings = long_settings(technique, 256);
+      RenderPlan settings = long_settings(technique, 256);
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
       const FalseShares shares = false_shares(truth, light(scene, settings));
       EXPECT_LT(shares.dark, 0.03) << technique << " " << kind;
@@ -123,7 +123,7 @@ TEST_F(ShadowTest, AnEyeFarAwayLooksUpAsTheMap) {
   const Scene scene = long_rows(sun({0, -1, -0.4}));
   const std::vector<float> map = light(scene, long_settings("map", 128));
   const auto unlike_at = [&](double distance) {
-    RenderSettings settings = long_settings("lispsm", 128);
+    RenderPlan settings = long_settings("lispsm", 128);
     settings.shadow_exponent = distance;
     return false_shares(map, light(scene, settings)).total();
   };

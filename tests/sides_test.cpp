@@ -58,9 +58,8 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  static RenderSettings settings(std::uint32_t cull, const IntegratorKind& integrator = kPath,
-                                 std::uint32_t depth = 1) {
-    RenderSettings asked;
+  static RenderPlan settings(std::uint32_t cull, const IntegratorKind& integrator = kPath, std::uint32_t depth = 1) {
+    RenderPlan asked;
     asked.width = asked.height = 8;
     asked.last_sample = 16;
     asked.max_depth = depth;
@@ -70,7 +69,7 @@ protected:
     if (asked.integrator == &kHybrid) asked.ambient = glm::vec3(0.0f);
     return asked;
   }
-  Picture render(Scene scene, const RenderSettings& asked, const glm::dvec3& eye, const glm::dvec3& target) {
+  Picture render(Scene scene, const RenderPlan& asked, const glm::dvec3& eye, const glm::dvec3& target) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     ViewRequest request;
     request.eye = eye, request.look_at = target, request.up = glm::dvec3(0, 0, 1), request.yfov = 0.3;
@@ -142,7 +141,7 @@ TEST_F(Sides, TheBackShadesAsTheFrontDoes) {
   lamp.intensity = glm::vec3(2.0f);
   scene.lights.push_back(lamp);
   for (const IntegratorKind* kind : {&kPath, &kWhitted, &kHybrid}) {
-    RenderSettings asked = settings(gpu::kCullNone, *kind);
+    RenderPlan asked = settings(gpu::kCullNone, *kind);
     asked.width = asked.height = 1;
     const Picture back = render(scene, asked, {0, 1.999, 0}, kRoof); // of a roof 1 m away from the lamp
     expect_all(back, 2.0f * std::numbers::inv_pi_v<float>, 1e-3f);
@@ -188,7 +187,7 @@ TEST_F(Sides, GenericKernelsGiveTheSameBits) {
   add_sun(scene);
   scene.environment.radiance = glm::vec3(0.5f);
   for (const std::uint32_t cull : {gpu::kCullCamera, gpu::kCullAll, gpu::kCullNone}) {
-    RenderSettings asked = settings(cull, kPath, 4);
+    RenderPlan asked = settings(cull, kPath, 4);
     const auto expected = render(scene, asked, {0, 1, 4}, kRoof).channels[0].values;
     asked.specialize = false;
     EXPECT_EQ(render(scene, asked, {0, 1, 4}, kRoof).channels[0].values, expected);

@@ -37,14 +37,14 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  Picture render(Scene scene, const ViewRequest& request, const RenderSettings& asked) {
+  Picture render(Scene scene, const ViewRequest& request, const RenderPlan& asked) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     const View view = resolve_view(scene, request, asked.width, asked.height);
     const PackedScene packed = pack(scene, {.direct = asked.direct, .eye = view.position, .lights = asked.lights});
     return wavepath::render(device(), packed, view, asked, RenderHooks{}, *kernels_).picture;
   }
-  static RenderSettings settings(std::uint32_t side, std::uint32_t spp) {
-    RenderSettings asked;
+  static RenderPlan settings(std::uint32_t side, std::uint32_t spp) {
+    RenderPlan asked;
     asked.width = asked.height = side;
     asked.last_sample = spp;
     asked.max_depth = 1;
@@ -70,7 +70,7 @@ constexpr std::uint32_t kEstimators[] = {gpu::kDirectMis, gpu::kDirectNee, gpu::
 TEST_F(StudioTest, AWhiteFloorHasRadianceOneByEveryEstimator) {
   const ViewRequest above{.eye = glm::dvec3(0, 1, 0.001), .look_at = glm::dvec3(0.0), .yfov = 0.1};
   for (const std::uint32_t direct : kEstimators) {
-    RenderSettings asked = settings(16, direct == gpu::kDirectBsdf ? 4096 : 512);
+    RenderPlan asked = settings(16, direct == gpu::kDirectBsdf ? 4096 : 512);
     asked.direct = direct;
     EXPECT_NEAR(mean_luminance(render(white_floor("studio"), above, asked)), 1.0, 5e-3) << direct;
     if (direct == gpu::kDirectBsdf) continue; // which seldom finds the sun
@@ -118,7 +118,7 @@ TEST_F(StudioTest, OfTheGroundOnlyTheShadowIsSeen) {
   };
   const std::size_t shadow = pixel_at({1.5, 0.0, -0.9}), lit[] = {pixel_at({-1.8, 0, 0.5}), pixel_at({1.5, 0.0, 1.5})};
   for (const IntegratorKind* kind : {&kPath, &kBidirectional}) {
-    RenderSettings asked = settings(kSide, 512);
+    RenderPlan asked = settings(kSide, 512);
     asked.integrator = kind;
     asked.max_depth = 4;
     const Picture without = render(ball(false), from_the_front, asked),

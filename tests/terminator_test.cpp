@@ -70,7 +70,7 @@ class Terminator : public VulkanTest {
 protected:
   RenderResult render(Scene scene, std::uint32_t terminator, const IntegratorKind* integrator = &kPath,
                       std::uint32_t direct = gpu::kDirectMis, std::uint32_t seed = 0) {
-    RenderSettings settings;
+    RenderPlan settings;
     settings.direct = direct;
     settings.seed = seed;
     settings.width = settings.height = kSide;

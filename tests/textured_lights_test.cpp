@@ -131,7 +131,7 @@ struct FloorError {
 
 class TexturedLights : public VulkanTest {
 protected:
-  FloorError error(const TexturedLamp& lamp, const std::vector<double>& floor, RenderSettings settings) {
+  FloorError error(const TexturedLamp& lamp, const std::vector<double>& floor, RenderPlan settings) {
     settings.width = settings.height = 64;
     settings.last_sample = 64;
     settings.max_depth = 1;
@@ -157,7 +157,7 @@ protected:
 
   void expect_exact(const TexturedLamp& lamp) {
     const std::vector<double> floor = expected_floor(lamp, 64);
-    RenderSettings settings;
+    RenderPlan settings;
     settings.integrator = &kPath;
     for (const std::uint32_t direct : {gpu::kDirectNee, gpu::kDirectMis}) {
       settings.direct = direct;
@@ -193,7 +193,7 @@ TEST_F(TexturedLights, AreExactHoweverTheTextureIsPlaced) {
 TEST_F(TexturedLights, AreExactByEveryWayToPickThem) {
   const TexturedLamp lamp;
   const std::vector<double> floor = expected_floor(lamp, 64);
-  RenderSettings settings;
+  RenderPlan settings;
   settings.integrator = &kPath;
   settings.lights = gpu::kLightsTree;
   expect_small(error(lamp, floor, settings));
@@ -208,7 +208,7 @@ TEST_F(TexturedLights, AreExactByEveryWayToPickThem) {
 TEST_F(TexturedLights, AgreeWithRaysAlone) {
   const TexturedLamp lamp{.size = 64, .x = 3, .y = 2, .side = 5, .stride = 16};
   const std::vector<double> floor = expected_floor(lamp, 64);
-  RenderSettings settings;
+  RenderPlan settings;
   settings.integrator = &kPath;
   settings.direct = gpu::kDirectMis;
   expect_small(error(lamp, floor, settings));

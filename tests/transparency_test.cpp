@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kBackground = 0.2f;
 
-RenderSettings settings_for(std::string_view technique) {
-  RenderSettings settings = shadow_settings("traced", 1024);
+RenderPlan settings_for(std::string_view technique) {
+  RenderPlan settings = shadow_settings("traced", 1024);
   settings.width = 64, settings.height = 48;
   settings.transparency = index_of(kTransparencyNames, technique);
   return settings;
@@ -95,7 +95,7 @@ TEST_F(TransparencyTest, WeightsKnowTransmittanceButNotOrder) {
 TEST_F(TransparencyTest, PeelingReachesAsFarAsItsLayers) {
   const Layer a{0.2f, 0.9f, 0.5f}, b{0.6f, 0.1f, 0.5f}, c{1.0f, 0.6f, 0.5f};
   const Scene scene = stack({b, c, a});
-  RenderSettings settings = settings_for("peel");
+  RenderPlan settings = settings_for("peel");
   const float expected[] = {over(c, kBackground), over(c, over(b, kBackground)), over(c, over(b, over(a, kBackground))),
                             over(c, over(b, over(a, kBackground)))};
   for (std::uint32_t layers = 1; layers <= 4; ++layers) {
@@ -135,7 +135,7 @@ double deviation(const std::vector<float>& exact, const std::vector<float>& nois
 
 TEST_F(TransparencyTest, PeelingIsTheMeanOfPassingThroughAtRandom) {
   const Scene scene = crossing_sheets();
-  RenderSettings traced = settings_for("traced"), peel = settings_for("peel");
+  RenderPlan traced = settings_for("traced"), peel = settings_for("peel");
   traced.last_sample = peel.last_sample = 24; // the same places in the pixels
   const std::vector<float> truth = light(scene, traced), peeled = light(scene, peel);
   for (const bool right : {false, true}) EXPECT_LT(deviation(peeled, truth, traced.width, right), 4.0);
@@ -172,7 +172,7 @@ TEST_F(TransparencyTest, ScreenDoorsOfOneOpacityHideEachOther) {
 // them.
 TEST_F(TransparencyTest, StochasticSamplesAreStratified) {
   const Layer layer{1.0f, 1.0f, 0.3f};
-  RenderSettings settings = settings_for("stochastic");
+  RenderPlan settings = settings_for("stochastic");
   settings.transparency_samples = 8; // of which 2 or 3 are covered
   const float two = over({0, 1.0f, 2.0f / 8}, kBackground), three = over({0, 1.0f, 3.0f / 8}, kBackground);
   double mean = 0.0;
@@ -192,7 +192,7 @@ TEST_F(TransparencyTest, StochasticSamplesAreStratified) {
 // Masks of two layers are independent of each other, so that their mean is exact; of one pixel it is noise.
 TEST_F(TransparencyTest, StochasticTransparencyConvergesToPeeling) {
   const Layer low{0.5f, 0.9f, 0.3f}, high{1.0f, 0.1f, 0.6f};
-  RenderSettings settings = settings_for("stochastic");
+  RenderPlan settings = settings_for("stochastic");
   settings.last_sample = 8;
   const std::vector<float> picture = light(stack({low, high}), settings);
   const double exact = over(high, over(low, kBackground)), count = static_cast<double>(picture.size());
@@ -212,7 +212,7 @@ TEST_F(TransparencyTest, LayersAreLit) {
   scene.lights.push_back(lamp(kLamp));
   for (const std::string_view technique : {"sorted", "peel", "weighted"}) {
     SCOPED_TRACE(technique);
-    RenderSettings settings = settings_for(technique);
+    RenderPlan settings = settings_for(technique);
     settings.aovs = {"position"};
     const Picture picture = render(scene, settings).picture;
     const auto &x = channel(picture, "P.X"), &z = channel(picture, "P.Z"), &green = channel(picture, "G");
@@ -254,7 +254,7 @@ TEST_F(TransparencyTest, ChannelsOfRefractionAreThoseOfTheOpaquePicture) {
   scene.materials[0] = plain_material();
   scene.materials[1] = glass(1.0f);
   scene.lights.push_back(lamp({0.0, 0.5, 0.0}));
-  RenderSettings settings = settings_for("refractive");
+  RenderPlan settings = settings_for("refractive");
   settings.aovs = {"emission", "direct"};
   const Picture picture = render(scene, settings).picture;
   for (const float emission : channel(picture, "emission.G")) ASSERT_EQ(emission, 0.0f);
@@ -267,7 +267,7 @@ TEST_F(TransparencyTest, RefractionShowsTheNearestGlassAlone) {
   scene.materials[1] = glass(1.0f, 0.25f);
   scene.materials[2] = glass(1.0f, 0.6f);
   expect_everywhere(scene, "refractive", 0.6f * kBackground);
-  RenderSettings paths = settings_for("traced");
+  RenderPlan paths = settings_for("traced");
   paths.integrator = &kPath;
   paths.max_depth = 4;
   for (const float value : light(scene, paths)) ASSERT_NEAR(value, 0.6f * 0.25f * kBackground, 2e-6f);
@@ -293,7 +293,7 @@ TEST_F(TransparencyTest, SlabsShiftWhatLiesBeneath) {
   add_instance(scene, add_mesh(scene, rectangle({0, 0, -10}, {0, 0, 10}, {20, 0, 0})));
   add_instance(scene, add_mesh(scene, rectangle({0, 0, 10}, {0, 0, 10}, {20, 0, 0}), 1));
   add_instance(scene, add_mesh(scene, box({0, 0.6, 0}, {20, 0.4, 20}), 2));
-  RenderSettings settings = settings_for("refractive"), paths = settings;
+  RenderPlan settings = settings_for("refractive"), paths = settings;
   paths.transparency = kTransparencyTraced;
   paths.integrator = &kPath;
   paths.max_depth = 3;
@@ -319,7 +319,7 @@ TEST_F(TransparencyTest, SlabsShiftWhatLiesBeneath) {
 }
 
 TEST(TransparencySettings, RefusesWhatATechniqueDoesNotTake) {
-  const auto refusal = [](const RenderSettings& settings) {
+  const auto refusal = [](const RenderPlan& settings) {
     try {
       settings.integrator->check(settings);
     } catch (const UsageError& e) {
@@ -327,7 +327,7 @@ TEST(TransparencySettings, RefusesWhatATechniqueDoesNotTake) {
     }
     return std::string();
   };
-  RenderSettings settings = settings_for("sorted");
+  RenderPlan settings = settings_for("sorted");
   EXPECT_EQ(refusal(settings), "");
   settings.transparency_layers = 2;
   EXPECT_NE(refusal(settings).find("--transparency-layers"), std::string::npos);

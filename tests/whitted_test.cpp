@@ -33,14 +33,14 @@ struct Subject {
   PackedScene packed;
   View view;
 
-  Subject(Scene scene, const RenderSettings& settings)
+  Subject(Scene scene, const RenderPlan& settings)
       : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
 
 class WhittedTest : public VulkanTest {
 protected:
-  static RenderSettings settings(const IntegratorKind* integrator, std::uint32_t spp, std::uint32_t depth) {
-    RenderSettings settings;
+  static RenderPlan settings(const IntegratorKind* integrator, std::uint32_t spp, std::uint32_t depth) {
+    RenderPlan settings;
     settings.width = 24, settings.height = 16;
     settings.last_sample = spp;
     settings.max_depth = depth;
@@ -48,25 +48,25 @@ protected:
     settings.cutoff = 0.0;
     return settings;
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {
+  RenderResult render(const Subject& subject, const RenderPlan& settings, const RenderHooks& hooks = {}) {
     KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, hooks, kernels);
   }
-  MeanPicture average(const Subject& subject, const RenderSettings& settings) {
-    return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });
+  MeanPicture average(const Subject& subject, const RenderPlan& settings) {
+    return mean_picture(settings, [&](const RenderPlan& seeded) { return render(subject, seeded); });
   }
   static void expect_same(const MeanPicture& a, const MeanPicture& b) { expect_same_mean(a, b, 0.25, 0.03); }
 };
 
 TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
-  const RenderSettings whitted = settings(&kWhitted, 32, 1), path = settings(&kPath, 128, 1);
+  const RenderPlan whitted = settings(&kWhitted, 32, 1), path = settings(&kPath, 128, 1);
   const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), whitted);
   expect_same(average(subject, whitted), average(subject, path));
 }
 
 // Where nothing is smooth there are no rays but the camera's: a surface is lit once, however deep the tree may grow.
 TEST_F(WhittedTest, RoughSurfacesAreLitOnce) {
-  const RenderSettings shallow = settings(&kWhitted, 4, 1), deep = settings(&kWhitted, 4, 8);
+  const RenderPlan shallow = settings(&kWhitted, 4, 1), deep = settings(&kWhitted, 4, 8);
   const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), shallow);
   EXPECT_TRUE(*render(subject, shallow).film == *render(subject, deep).film);
 }
@@ -74,7 +74,7 @@ TEST_F(WhittedTest, RoughSurfacesAreLitOnce) {
 // Mirrors and glass among rough surfaces: of the light that paths find, a tree of rays finds a part, and most of it
 // here.
 TEST_F(WhittedTest, NeverBrighterThanPathTracing) {
-  const RenderSettings whitted = settings(&kWhitted, 64, 8), path = settings(&kPath, 256, 8);
+  const RenderPlan whitted = settings(&kWhitted, 64, 8), path = settings(&kPath, 256, 8);
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whitted);
   const MeanPicture a = average(subject, whitted), b = average(subject, path);
   double found = 0.0, all = 0.0, noise = 0.0;
@@ -89,7 +89,7 @@ TEST_F(WhittedTest, NeverBrighterThanPathTracing) {
 
 // A sky of one colour, which paths find by the BSDF alone, is light like any other.
 TEST_F(WhittedTest, ASkyOfOneColourIsALight) {
-  const RenderSettings whitted = settings(&kWhitted, 64, 1), path = settings(&kPath, 64, 1);
+  const RenderPlan whitted = settings(&kWhitted, 64, 1), path = settings(&kPath, 64, 1);
   Scene scene = load_gltf(kScenes + "showcase.glb", {});
   for (Material& material : scene.materials) {
     material.roughness = 1.0f;
@@ -104,7 +104,7 @@ TEST_F(WhittedTest, ASkyOfOneColourIsALight) {
 
 // 232 emissive triangles, of which a surface picks 16, and a lamp without an extent, to which it always sends a ray.
 TEST_F(WhittedTest, OfManyLightsSomeAreSampled) {
-  const RenderSettings whitted = settings(&kWhitted, 16, 1), path = settings(&kPath, 256, 1);
+  const RenderPlan whitted = settings(&kWhitted, 16, 1), path = settings(&kPath, 256, 1);
   Scene scene = load_gltf(kScenes + "showcase.glb", {});
   for (Material& material : scene.materials) { // what Whitted's tracer and one bounce both find
     material.roughness = 1.0f;
@@ -124,9 +124,9 @@ TEST_F(WhittedTest, OfManyLightsSomeAreSampled) {
 TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
   Scene scene = load_gltf(kScenes + "furnace_glass.gltf", {});
   scene.environment.radiance = glm::vec3(1.0f);
-  RenderSettings tree = settings(&kWhitted, 16, 12);
+  RenderPlan tree = settings(&kWhitted, 16, 12);
   const Subject subject(std::move(scene), tree);
-  RenderSettings choice = tree;
+  RenderPlan choice = tree;
   choice.branching = kBranchingChoice;
   choice.last_sample = 64;
   const MeanPicture all = average(subject, tree), one = average(subject, choice);
@@ -146,7 +146,7 @@ TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
 }
 
 TEST_F(WhittedTest, TheCutoffOnlyLosesLightAndRays) {
-  RenderSettings all = settings(&kWhitted, 1, 6), cut = all;
+  RenderPlan all = settings(&kWhitted, 1, 6), cut = all;
   cut.cutoff = 0.1;
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), all);
   const RenderResult whole = render(subject, all), less = render(subject, cut);
@@ -172,7 +172,7 @@ TEST_F(WhittedTest, TheAmbientTermIsAlbedoTimesRadiance) {
   Camera camera;
   camera.world_from_camera = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 3, 1}};
   scene.cameras.push_back(camera);
-  RenderSettings lit = settings(&kWhitted, 2, 3);
+  RenderPlan lit = settings(&kWhitted, 2, 3);
   lit.ambient = glm::vec3(2.0f, 1.0f, 4.0f);
   const Picture picture = render(Subject(scene, lit), lit).picture;
   for (std::size_t i = 0; i < picture.channels[0].values.size(); ++i) {
@@ -185,11 +185,11 @@ TEST_F(WhittedTest, TheAmbientTermIsAlbedoTimesRadiance) {
 // As in error_test.cpp, by fewer seeds, and where all pixels have the same noise.
 TEST_F(WhittedTest, TheIntervalHoldsTheTrueError) {
   constexpr std::uint32_t kRuns = 40, kReference = 32;
-  RenderSettings coarse = settings(&kWhitted, 8, 1);
+  RenderPlan coarse = settings(&kWhitted, 8, 1);
   coarse.width = coarse.height = 32;
   coarse.filter = gpu::kFilterBox;
   const Subject subject(load_gltf(kScenes + "analytic/half_hidden_disc_light.gltf", {}), coarse);
-  RenderSettings fine = coarse;
+  RenderPlan fine = coarse;
   fine.last_sample *= kReference, fine.seed = 1000000;
   const Coverage found = measure_coverage(render(subject, fine).picture, kRuns, [&](std::uint32_t seed) {
     coarse.seed = seed;
@@ -201,9 +201,9 @@ TEST_F(WhittedTest, TheIntervalHoldsTheTrueError) {
 
 // Trees of rays take several slots of a wave, so that a wave ends within a sample.
 TEST_F(WhittedTest, PartsJoinToTheWhole) {
-  RenderSettings whole = settings(&kWhitted, 7, 4);
+  RenderPlan whole = settings(&kWhitted, 7, 4);
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
-  RenderSettings first = whole, second = whole;
+  RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 3;
   first.sample_total = second.sample_total = 7;
   Film joined = *render(subject, second).film;
@@ -213,7 +213,7 @@ TEST_F(WhittedTest, PartsJoinToTheWhole) {
 
 // Stopped within the second pass, at whatever place the waves have come to.
 TEST_F(WhittedTest, ResumedRendersGiveTheSameBits) {
-  RenderSettings whole = settings(&kWhitted, 6, 4);
+  RenderPlan whole = settings(&kWhitted, 6, 4);
   whole.wave_slots = 500;
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
   std::optional<RenderState> state;
@@ -229,16 +229,16 @@ TEST_F(WhittedTest, ResumedRendersGiveTheSameBits) {
 }
 
 TEST_F(WhittedTest, HowTheWorkIsCutUpDoesNotMatter) {
-  RenderSettings whole = settings(&kWhitted, 2, 4);
+  RenderPlan whole = settings(&kWhitted, 2, 4);
   whole.aovs = {"albedo", "normal", "depth", "direct", "emission"};
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
   const RenderResult expected = render(subject, whole);
   for (const std::uint32_t slots : {64u, 700u}) {
-    RenderSettings cut = whole;
+    RenderPlan cut = whole;
     cut.wave_slots = slots;
     EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots << " slots";
   }
-  RenderSettings generic = whole;
+  RenderPlan generic = whole;
   generic.specialize = false;
   EXPECT_TRUE(*render(subject, generic).film == *expected.film) << "generic kernels";
 }

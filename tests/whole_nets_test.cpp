@@ -40,7 +40,7 @@ namespace {
 const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
 
 TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = 256, settings.height = 128;
   EXPECT_TRUE(has_whole_nets(settings));
   settings.width = 255;
@@ -63,7 +63,7 @@ TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
 }
 
 TEST(WholeNets, DecideTheIdentity) {
-  RenderSettings whole, halved;
+  RenderPlan whole, halved;
   halved.aovs = {"variance"}, whole.aovs = {"albedo"};
   const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, halved);
   EXPECT_EQ(first_difference(a, a), std::nullopt);
@@ -224,8 +224,8 @@ TEST(WholeNets, TakeLessMemoryThanHalvedOnes) {
   EXPECT_LT(whole.bytes(), halved.bytes());
 }
 
-RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
-  RenderSettings settings;
+RenderPlan settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
+  RenderPlan settings;
   settings.width = width, settings.height = height;
   settings.last_sample = spp;
   settings.max_depth = 3;
@@ -235,8 +235,8 @@ RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint3
 
 class WholeNetsRender : public VulkanTest {
 protected:
-  RenderResult render(const RenderSettings& settings, const RenderHooks& hooks = {}, const char* integrator = "path") {
-    RenderSettings all = settings;
+  RenderResult render(const RenderPlan& settings, const RenderHooks& hooks = {}, const char* integrator = "path") {
+    RenderPlan all = settings;
     all.integrator = find_integrator(integrator);
     const View view = resolve_view(scene_, {}, settings.width, settings.height);
     return wavepath::render(device(), packed_, view, all, hooks, kernels());
@@ -248,12 +248,12 @@ protected:
   PackedScene packed_ = pack(scene_);
 };
 
-RenderSettings by_quads(RenderSettings settings) {
+RenderPlan by_quads(RenderPlan settings) {
   settings.reuse = kReuseOn;
   return settings;
 }
 
-RenderSettings halved(RenderSettings settings) {
+RenderPlan halved(RenderPlan settings) {
   settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
   return settings;
 }
@@ -264,7 +264,7 @@ TEST_F(WholeNetsRender, EachNetIsOneOverAllSamples) {
       {"path", gpu::kSamplerSobol}, {"path", gpu::kSamplerStratified}, {"whitted", gpu::kSamplerSobol}};
   for (const auto& [integrator, sampler] : cases) {
     SCOPED_TRACE(std::string(integrator) + ", sampler " + std::to_string(sampler));
-    RenderSettings settings = settings_of(43, 37, 8), twice = halved(settings_of(43, 37, 16));
+    RenderPlan settings = settings_of(43, 37, 8), twice = halved(settings_of(43, 37, 16));
     settings.sampler = twice.sampler = sampler;
     const auto whole = render(settings, {}, integrator).film, expected = render(twice, {}, integrator).film;
     ASSERT_EQ(whole->pixels.size(), 43u * 37 + 11 * 10);
@@ -275,7 +275,7 @@ TEST_F(WholeNetsRender, EachNetIsOneOverAllSamples) {
 }
 
 TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
-  RenderSettings settings = settings_of(43, 37, 8);
+  RenderPlan settings = settings_of(43, 37, 8);
   settings.aovs = {"samples", "albedo", "direct", "indirect", "emission"};
   const RenderResult result = render(settings);
   const Picture& picture = result.picture;
@@ -294,7 +294,7 @@ TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
 }
 
 TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
-  for (RenderSettings settings : {settings_of(43, 37, 5), by_quads(settings_of(43, 37, 5))}) {
+  for (RenderPlan settings : {settings_of(43, 37, 5), by_quads(settings_of(43, 37, 5))}) {
     settings.aovs = {"albedo", "normal", "depth", "direct"};
     const RenderResult expected = render(settings);
     for (const std::uint32_t slots :
@@ -310,9 +310,9 @@ TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
 
 // Of what is measured by pixels: a second net is as good on another pixel. Light is shared, not changed.
 TEST_F(WholeNetsRender, ByQuadsThePictureAndItsErrorAreTheSame) {
-  const RenderSettings alone = settings_of(64, 61, 64); // 488 quads measure it
+  const RenderPlan alone = settings_of(64, 61, 64); // 488 quads measure it
   const RenderResult expected = render(alone);
-  for (const RenderSettings& settings : {by_quads(alone), by_quads(halved(alone))}) {
+  for (const RenderPlan& settings : {by_quads(alone), by_quads(halved(alone))}) {
     const RenderResult result = render(settings);
     ASSERT_TRUE(result.film->quads);
     double mean = 0.0, variance = 0.0;
@@ -329,15 +329,15 @@ TEST_F(WholeNetsRender, ByQuadsThePictureAndItsErrorAreTheSame) {
 
 // Kernels made for whole nets serve another render until its own are ready.
 TEST_F(WholeNetsRender, TheirKernelsRenderHalvedNetsAsWell) {
-  const RenderSettings settings = halved(settings_of(43, 37, 4));
-  RenderSettings with_room = settings;
-  with_room.room_for_whole_nets = true;
+  const RenderPlan settings = halved(settings_of(43, 37, 4));
+  RenderPlan with_room = settings;
+  with_room.kernels.whole_nets = true;
   EXPECT_TRUE(*render(with_room).film == *render(settings).film);
 }
 
 TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
-  for (const RenderSettings& whole : {settings_of(43, 37, 7), by_quads(settings_of(43, 37, 7))}) {
-    RenderSettings first = whole, second = whole;
+  for (const RenderPlan& whole : {settings_of(43, 37, 7), by_quads(settings_of(43, 37, 7))}) {
+    RenderPlan first = whole, second = whole;
     first.last_sample = second.first_sample = 3;
     first.sample_total = second.sample_total = 7;
     Film film = *render(second).film;
@@ -347,7 +347,7 @@ TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
 }
 
 TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
-  for (RenderSettings settings : {settings_of(43, 37, 8), by_quads(settings_of(43, 37, 8))}) {
+  for (RenderPlan settings : {settings_of(43, 37, 8), by_quads(settings_of(43, 37, 8))}) {
     const RenderResult whole = render(settings);
     settings.wave_slots = 100; // many waves a pass
     std::optional<RenderState> state;
@@ -368,8 +368,8 @@ TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
 }
 
 TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
-  for (RenderSettings settings : {settings_of(43, 37, 4), by_quads(settings_of(43, 37, 4)),
-                                  by_quads(settings_of(9, 9, 4)), halved(by_quads(settings_of(9, 9, 4)))}) {
+  for (RenderPlan settings : {settings_of(43, 37, 4), by_quads(settings_of(43, 37, 4)), by_quads(settings_of(9, 9, 4)),
+                              halved(by_quads(settings_of(9, 9, 4)))}) {
     const bool aovs = settings.width == 43;
     settings.seed = 5;
     if (aovs) settings.aovs = {"albedo", "depth"};
@@ -390,7 +390,7 @@ TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
   const std::uint64_t limit = device().info().max_storage_range;
   if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";
   const auto height = static_cast<std::uint32_t>(limit / sizeof(gpu::FilmPixel) / 1026 + 37);
-  RenderSettings settings = settings_of(1026, height, 1), twice = halved(settings_of(1026, height, 2));
+  RenderPlan settings = settings_of(1026, height, 1), twice = halved(settings_of(1026, height, 2));
   settings.max_depth = twice.max_depth = 0;
   const auto whole = render(settings).film, expected = render(twice).film;
   const std::size_t pixels = std::size_t{1026} * height;
@@ -403,7 +403,7 @@ TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
   EXPECT_EQ(differing, 0u);
   FilmTarget target(device());
   const FilmShape quads = film_shape(by_quads([&] {
-    RenderSettings deep = settings;
+    RenderPlan deep = settings;
     deep.max_depth = 2;
     return deep;
   }()));
@@ -430,7 +430,7 @@ class Watched : public Integrator {
 public:
   Watched(const Workspace& workspace, std::unique_ptr<Integrator> inner)
       : workspace_(workspace), inner_(std::move(inner)) {}
-  void change(const View& view, const RenderSettings& settings, Past past) override {
+  void change(const View& view, const RenderPlan& settings, Past past) override {
     inner_->change(view, settings, past);
   }
   bool is_ready() override { return inner_->is_ready(); }
@@ -481,7 +481,7 @@ TEST_F(WholeNetsRender, NoWavePartsAQuad) {
     for (const std::uint32_t adaptive : {kAdaptiveOff, kAdaptiveOn})
       for (const std::uint32_t slots : {1u, 7u, 64u, 701u}) {
         if (slots == 7 && adaptive == kAdaptiveOn) continue; // has room for more than it asks for
-        RenderSettings settings = by_quads(settings_of(43, 37, adaptive == kAdaptiveOn ? 8 : 2));
+        RenderPlan settings = by_quads(settings_of(43, 37, adaptive == kAdaptiveOn ? 8 : 2));
         if (!whole) settings = halved(settings);
         settings.adaptive = adaptive, settings.wave_slots = slots;
         settings.integrator = &watched;
@@ -496,7 +496,7 @@ TEST_F(WholeNetsRender, NoWavePartsAQuad) {
 
 // One path of a second net can be followed like any other.
 TEST_F(WholeNetsRender, PathsOfSecondNetsAreReplayed) {
-  const RenderSettings settings = settings_of(43, 37, 1);
+  const RenderPlan settings = settings_of(43, 37, 1);
   const RenderResult result = render(settings);
   const View view = resolve_view(scene_, {}, 43, 37);
   PathReplay replay(device(), packed_, view, settings, kernels());

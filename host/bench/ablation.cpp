@@ -5,11 +5,11 @@
 
 namespace wavepath {
 
-std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
-                                const RenderSettings& settings, WarmLoop& base, std::uint32_t spp,
-                                std::uint32_t repetitions, const std::function<void(const std::string&)>& progress) {
+std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+                                WarmLoop& base, std::uint32_t spp, std::uint32_t repetitions,
+                                const std::function<void(const std::string&)>& progress) {
   std::vector<AblationRow> rows;
-  const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderSettings& variant) {
+  const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderPlan& variant) {
     progress("with " + what);
     WarmLoop rival = make_loop(device, scene, view, variant);
     std::vector<double> without, with;
@@ -27,13 +27,13 @@ std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const 
   for (const LeftOut& entry : scene.left_out) {
     all_bytes += entry.bytes;
     if (!entry.feature) continue; // no code, only data
-    RenderSettings variant = settings;
-    variant.added_features = entry.feature;
+    RenderPlan variant = settings;
+    variant.kernels.added = entry.feature;
     measure(entry.what, entry.bytes, variant);
   }
-  RenderSettings generic = settings;
+  RenderPlan generic = settings;
   generic.specialize = false;
-  generic.added_features = gpu::kLobesAll; // which generic kernels of a scene without layers do without
+  generic.kernels.added = gpu::kLobesAll; // which generic kernels of a scene without layers do without
   measure("everything (generic kernels)", all_bytes, generic);
   return rows;
 }

@@ -19,8 +19,8 @@ struct AblationRow {
 
 // Times renders with the kernels of `base` against kernels with one more feature, in turns; last, against generic
 // kernels with all of them.
-std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
-                                const RenderSettings& settings, WarmLoop& base, std::uint32_t spp,
-                                std::uint32_t repetitions, const std::function<void(const std::string&)>& progress);
+std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+                                WarmLoop& base, std::uint32_t spp, std::uint32_t repetitions,
+                                const std::function<void(const std::string&)>& progress);
 
 } // namespace wavepath

@@ -74,9 +74,9 @@ double agreement_with(const EmbreeScene& embree, RayKind kind, const PackedScene
 // Embree tests neither alpha, panes nor facing, so the kernels that it is compared with leave that out too.
 void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                          const RaySets& rays, BenchResult& result) {
-  RenderSettings opaque = settings.render;
+  RenderPlan opaque = settings.render;
   opaque.traversal = kTraversalCompute;
-  opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
+  opaque.kernels.removed = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, opaque, kernels);
   const EmbreeScene fast(scene, false), robust(scene, true);
@@ -100,8 +100,8 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
 }
 #endif
 
-void measure_renders(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene,
-                     std::uint32_t repetitions, BenchResult& result) {
+void measure_renders(WarmLoop& warm, const RenderPlan& settings, const PackedScene& scene, std::uint32_t repetitions,
+                     BenchResult& result) {
   PathTracing& tracing = result.path_tracing;
   tracing.spp = choose_spp(warm);
   std::vector<double> seconds;
@@ -131,7 +131,7 @@ void measure_renders(WarmLoop& warm, const RenderSettings& settings, const Packe
 BenchResult bench(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                   const std::function<void(const std::string&)>& progress) {
   BenchSettings all = settings;
-  all.render.room_for_shadow_rays = true;
+  all.render.kernels.shadow_rays = true;
   BenchResult result;
   progress("the limits of the device");
   result.ceilings = measure_ceilings(
@@ -142,7 +142,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   progress("whole renders");
   measure_renders(warm, all.render, scene, all.repetitions, result);
   progress("rays by kind");
-  RenderSettings by_compute = all.render;
+  RenderPlan by_compute = all.render;
   by_compute.traversal = kTraversalCompute;
   const bool by_query = traces_by_query(traversal_of(all.render), device.info());
   RayReplay replay(device, scene, view, by_compute, *warm.kernels,

@@ -18,7 +18,7 @@
 namespace wavepath {
 
 struct BenchSettings {
-  RenderSettings render;
+  RenderPlan render;
   std::uint32_t repetitions = 7; // of every measurement; rivals take turns
   bool ablate = false, structures = false;
 };

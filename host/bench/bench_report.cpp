@@ -187,7 +187,7 @@ Json bench_document(const BenchRun& run) {
 
 std::string bench_table(const BenchRun& run) {
   const BenchResult& result = run.result;
-  const RenderSettings& settings = run.settings.render;
+  const RenderPlan& settings = run.settings.render;
   const Json bvh = bvh_json(run.packed);
   std::string text = fmt::format("{}, {} triangles, {}x{}, at most {} bounces, medians of {}\n{} ({})\n\n", run.scene,
                                  run.packed.triangle_count, settings.width, settings.height, settings.max_depth,

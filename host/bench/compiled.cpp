@@ -39,12 +39,12 @@ std::string number(double value) {
 // Techniques that have kernels of their own, by the settings that name them. The first of each needs none.
 struct Techniques {
   std::string_view setting;
-  std::uint32_t RenderSettings::*value;
+  std::uint32_t RenderPlan::*value;
   std::span<const std::string_view> names;
 };
-constexpr std::array<Techniques, 3> kTechniques = {{{"shadows", &RenderSettings::shadows, kShadowNames},
-                                                    {"shading", &RenderSettings::shading, kShadingNames},
-                                                    {"occlusion", &RenderSettings::occlusion, kOcclusionNames}}};
+constexpr std::array<Techniques, 3> kTechniques = {{{"shadows", &RenderPlan::shadows, kShadowNames},
+                                                    {"shading", &RenderPlan::shading, kShadingNames},
+                                                    {"occlusion", &RenderPlan::occlusion, kOcclusionNames}}};
 
 // The kernels of one integrator for a scene, each set once, however many settings ask for it.
 class Compilation {
@@ -53,7 +53,7 @@ public:
       : device_(device), compiler_(device), kernels_(kernels) {}
 
   // Adds what the integrator begins to compile, without what it begins for other scenes.
-  void add(gpu::Feature features, const RenderSettings& settings, const std::string& name) {
+  void add(gpu::Feature features, const RenderPlan& settings, const std::string& name) {
     settings.integrator->start_kernels(compiler_, device_.info(), features, settings);
     const gpu::Feature wanted = kernel_config(features, kExpectedStack, settings).features;
     const bool by_query = traces_by_query(traversal_of(settings), device_.info());
@@ -80,21 +80,20 @@ private:
 
 } // namespace
 
-std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
+std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderPlan& settings,
                                             bool ablate, const std::function<void(const std::string&)>& progress) {
   std::vector<CompiledKernel> kernels;
-  const auto compile = [&](Compilation& to, const RenderSettings& variant, const std::string& what,
-                           gpu::Feature more = 0) {
+  const auto compile = [&](Compilation& to, const RenderPlan& variant, const std::string& what, gpu::Feature more = 0) {
     const std::string name = fmt::format("{}{}", variant.integrator->name, what);
     progress(name);
     to.add(scene.features | more, variant, name);
   };
-  RenderSettings by_compute = settings;
+  RenderPlan by_compute = settings;
   by_compute.traversal = kTraversalCompute;
   for (const IntegratorKind* kind : integrators()) {
     if (kind->candidates || !kind->start_kernels) continue; // the first stands for others
     Compilation compilation(device, kernels);
-    RenderSettings variant = by_compute;
+    RenderPlan variant = by_compute;
     variant.integrator = kind;
     compile(compilation, variant, "");
     variant.specialize = false;
@@ -102,7 +101,7 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
     variant.specialize = true;
     for (const Techniques& techniques : kTechniques) {
       if (!takes(*kind, techniques.setting)) continue;
-      RenderSettings chosen = variant;
+      RenderPlan chosen = variant;
       for (std::uint32_t i = 1; i < techniques.names.size(); ++i) {
         chosen.*techniques.value = i;
         compile(compilation, chosen, fmt::format(", {} {}", techniques.setting, techniques.names[i]));
@@ -120,9 +119,9 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
   Compilation compilation(device, kernels);
   for (const LeftOut& entry : scene.left_out) {
     if (!entry.feature) continue; // no code, only data
-    RenderSettings variant = by_compute;
+    RenderPlan variant = by_compute;
     variant.integrator = &default_integrator();
-    variant.added_features = entry.feature;
+    variant.kernels.added = entry.feature;
     compile(compilation, variant, ", with " + entry.what);
   }
   return kernels;

@@ -10,7 +10,7 @@
 
 #include "host/gpu/device.h"
 #include "host/gpu/kernel_statistics.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
@@ -24,7 +24,7 @@ struct CompiledKernel {
 // that trace first hits or filter frames. A set is listed where it is first asked for. `ablate`: those of path tracing
 // with each feature as well that the scene leaves out. The device was opened for DeviceUse::compile. `progress` is told
 // what comes next.
-std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
+std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderPlan& settings,
                                             bool ablate, const std::function<void(const std::string&)>& progress);
 
 // [{"kernel", "configuration", "device", "statistics": {name: value}}]

@@ -4,7 +4,7 @@
 
 namespace wavepath {
 
-WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
+WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings) {
   WarmLoop warm;
   warm.view = view;
   warm.kernels = std::make_unique<KernelCompiler>(device);
@@ -16,7 +16,7 @@ WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, c
 }
 
 RenderTime time_render(WarmLoop& warm, std::uint32_t spp) {
-  RenderSettings settings = warm.loop->settings();
+  RenderPlan settings = warm.loop->settings();
   settings.first_sample = 0;
   settings.last_sample = spp;
   warm.loop->restart(warm.view, settings);

@@ -17,7 +17,7 @@ struct WarmLoop {
   double compile_seconds = 0.0;
 };
 
-WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings);
+WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings);
 
 struct RenderTime {
   double seconds = 0.0; // wall

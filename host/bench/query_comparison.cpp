@@ -8,9 +8,9 @@
 namespace wavepath {
 
 QueryComparison compare_with_queries(Device& device, const PackedScene& scene, const View& view,
-                                     const RenderSettings& settings, RayReplay& replay, const RaySets& rays,
+                                     const RenderPlan& settings, RayReplay& replay, const RaySets& rays,
                                      std::uint32_t repetitions) {
-  RenderSettings by_query = settings;
+  RenderPlan by_query = settings;
   by_query.traversal = kTraversalHardware;
   KernelCompiler kernels(device);
   RayReplay queries(device, scene, view, by_query, kernels);

@@ -24,7 +24,7 @@ struct QueryComparison {
 // `replay`: by our traversal, under `settings`. The device has ray queries, the scene does not move. Throws Error if
 // the device cannot hold the structures.
 QueryComparison compare_with_queries(Device& device, const PackedScene& scene, const View& view,
-                                     const RenderSettings& settings, RayReplay& replay, const RaySets& rays,
+                                     const RenderPlan& settings, RayReplay& replay, const RaySets& rays,
                                      std::uint32_t repetitions);
 
 } // namespace wavepath

@@ -21,7 +21,7 @@ gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
 
 } // namespace
 
-RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                      KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
     : workspace_(device, scene, choose_slots(device.info(), scene.features, settings), traversal_of(settings),
                  std::move(uploaded)),

@@ -20,7 +20,7 @@ class RayReplay {
 public:
   // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and
   // `kernels` outlive this.
-  RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+  RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
             KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
   double upload_seconds() const { return workspace_.upload_seconds; } // of the scene, 0 if it was there

@@ -65,13 +65,13 @@ std::vector<bool> are_hits(const std::vector<float>& distances) {
 std::span<const StructureKind> structure_kinds() { return kKinds; }
 
 std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
-                                             const RenderSettings& settings, const RaySets& rays,
+                                             const RenderPlan& settings, const RaySets& rays,
                                              std::uint32_t repetitions) {
   const std::vector<bvh::Triangle> triangles = placed_triangles(scene);
   if (triangles.empty()) return {};
-  RenderSettings plain = settings;
+  RenderPlan plain = settings;
   plain.traversal = kTraversalCompute;
-  plain.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
+  plain.kernels.removed = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, plain, kernels);
   const std::array<std::vector<StructureRay>, kRayKindCount> sets = {as_structure_rays<gpu::Ray>(rays.camera),

@@ -22,7 +22,7 @@ std::span<const StructureKind> structure_kinds();
 // are laid out as triangles for the others. Empty if the scene has no triangle. Throws Error if the device cannot hold
 // a structure.
 std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
-                                             const RenderSettings& settings, const RaySets& rays,
+                                             const RenderPlan& settings, const RaySets& rays,
                                              std::uint32_t repetitions);
 
 } // namespace wavepath

@@ -87,7 +87,7 @@ int run_compiler(const BenchCommandRequest& request) {
     throw UsageError("--kernels", "traces no rays that --structures compares", "leave one of them out");
   refuse_to_overwrite(request);
   Device device(request.render.device, {}, DeviceUse::compile);
-  const RenderSettings& settings = request.render.settings;
+  const RenderPlan& settings = request.render.settings;
   LoadedScene loaded = load(request);
   const PackedScene packed =
       pack(loaded.scene, {.direct = settings.direct, .samplers = sampler_limits(settings, device.info())});

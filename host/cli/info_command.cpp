@@ -89,11 +89,11 @@ Json to_json(const std::vector<MemoryItem>& items) {
 }
 
 // What a render takes besides the scene: each of the ways that --integrator auto may take.
-Json describe_renders(const RenderSettings& settings, const ScenePlan& planned, const PackedScene& packed) {
-  std::vector<RenderSettings> ways = {settings};
+Json describe_renders(const RenderPlan& settings, const ScenePlan& planned, const PackedScene& packed) {
+  std::vector<RenderPlan> ways = {settings};
   if (settings.integrator->candidates) ways = settings.integrator->candidates(settings, packed);
   Json renders = Json::array();
-  for (const RenderSettings& way : ways) {
+  for (const RenderPlan& way : ways) {
     const MemoryPlan plan = plan_memory(way, planned, packed.features);
     renders.push_back({{"flags", way_text(way)},
                        {"size", {way.width, way.height}},
@@ -105,14 +105,14 @@ Json describe_renders(const RenderSettings& settings, const ScenePlan& planned, 
 
 // What --guide takes besides, whatever the scene.
 std::uint64_t guide_bytes() {
-  RenderSettings guided;
+  RenderPlan guided;
   guided.guide = true;
   return total_bytes(guided.integrator->items(guided, {}, 0));
 }
 
 // Of the film of a picture of the usual size, with whole and with halved nets.
 Json film_bytes() {
-  RenderSettings whole, halved;
+  RenderPlan whole, halved;
   halved.aovs = {"variance"};
   FilmShape parted = film_shape(halved);
   parted.aovs = false;
@@ -210,7 +210,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
 }
 
 // What a render would do, as far as it is known before its pilots.
-std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const RenderSettings& settings,
+std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const RenderPlan& settings,
                                     const ScenePlan& planned, const PackedScene& packed) {
   const std::vector<DeviceInfo> devices = list_devices();
   const DeviceInfo device = devices.empty() ? DeviceInfo{} : devices[choose_device(devices, "")];
@@ -222,7 +222,7 @@ std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const Ren
 
 int run_scene(InfoCommandRequest& request) {
   resolve_settings(request.scene, request.render);
-  RenderSettings& settings = request.render.settings;
+  RenderPlan& settings = request.render.settings;
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
   const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);

@@ -12,8 +12,7 @@ namespace wavepath {
 namespace {
 
 // Compiles the kernels that the scene will most likely need. A wrong guess costs only time.
-void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
-                   const RenderSettings& settings) {
+void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene, const RenderPlan& settings) {
   gpu::Feature features = expected_features(scene, direct_of(settings)) | features_of(settings);
   if (settings.textures == kTexturesHardware && features & gpu::kFeatureTextures)
     features |= gpu::kFeatureSampledTextures;

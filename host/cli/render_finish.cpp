@@ -22,7 +22,7 @@ namespace {
 
 PictureInfo picture_info(const RenderCommandRequest& request, const Prepared& prepared, const Rendered& rendered,
                          const Run& run) {
-  const RenderSettings& settings = prepared.plan.settings;
+  const RenderPlan& settings = prepared.plan.settings;
   const RenderResult& result = rendered.result;
   PictureInfo info;
   info.spp = result.spp;
@@ -75,7 +75,7 @@ MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepar
                            const SharedResult* shared) {
   MissingLight missing;
   if (!reports_bias(request) || ended_early(result)) return missing;
-  const RenderSettings& settings = prepared.plan.settings;
+  const RenderPlan& settings = prepared.plan.settings;
   const RenderingDevice on = surviving(prepared, shared);
   SceneOnDevice elsewhere;
   SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
@@ -135,7 +135,7 @@ void check_result(const RenderCommandRequest& request, const Prepared& prepared,
 
 int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
            const std::optional<Picture>& reference) {
-  const RenderSettings& settings = prepared.plan.settings;
+  const RenderPlan& settings = prepared.plan.settings;
   RenderResult& result = rendered.result;
   Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
   attempts.attempt([&] { denoise_if_asked(result, settings); });

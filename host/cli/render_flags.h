@@ -34,7 +34,7 @@ struct StateRequest {
 };
 
 struct RenderRequest {
-  RenderSettings settings;             // its sample range is complete after resolve_samples() (resolve.h)
+  RenderPlan settings;                 // its sample range is complete after resolve_samples() (resolve.h)
   std::vector<std::string_view> given; // names of the settings that the command line has
   std::optional<bvh::Quality> bvh;     // empty = chosen from the number of rays
   std::string device;

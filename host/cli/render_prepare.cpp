@@ -34,12 +34,11 @@ bool needs_identity(const RenderCommandRequest& request) {
 std::optional<PlanRecord> recorded_plan(const RenderRequest& render) {
   if (!render.plan_file.empty()) return read_plan(render.plan_file);
   std::error_code error;
-  if (render.state.resume && std::filesystem::exists(render.state.file, error))
-    return read_plan(render.state.file);
+  if (render.state.resume && std::filesystem::exists(render.state.file, error)) return read_plan(render.state.file);
   return std::nullopt;
 }
 
-std::string identity_as(const RenderCommandRequest& request, const Prepared& prepared, const RenderSettings& settings) {
+std::string identity_as(const RenderCommandRequest& request, const Prepared& prepared, const RenderPlan& settings) {
   std::string identity = identity_of(prepared.scene_hash, prepared.view, settings);
   if (const std::optional<glm::dvec3>& origin = request.render.origin)
     identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
@@ -57,7 +56,7 @@ bool is_told(const RenderCommandRequest& request, const Decision& decision) {
 } // namespace
 
 Prepared prepare(const RenderCommandRequest& request) {
-  const RenderSettings& settings = request.render.settings;
+  const RenderPlan& settings = request.render.settings;
   const Clock::time_point start = Clock::now();
   Prepared prepared;
   if (!request.output.tev.empty()) prepared.viewer = std::make_unique<TevViewer>(request.output.tev);
@@ -101,7 +100,7 @@ void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
                     .recorded = recorded_plan(request.render),
                     .training_paths = request.render.training_paths,
                     .guide_iterations = request.render.guide_iterations,
-                    .fits = [&](const RenderSettings& way) { return prepared.memory->fits(way); }};
+                    .fits = [&](const RenderPlan& way) { return prepared.memory->fits(way); }};
   asked.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   PilotRunner pilots(*prepared.device, prepared.packed, prepared.view, *prepared.kernels, prepared.on_device);
   prepared.plan = decide(asked, prepared.packed, pilots.is_cpu(), &pilots);

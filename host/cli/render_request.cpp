@@ -34,7 +34,7 @@ void check_channels(const RenderCommandRequest& request) {
 void check_files(RenderCommandRequest& request) {
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
-  const RenderSettings& settings = request.render.settings;
+  const RenderPlan& settings = request.render.settings;
   for (const std::string& path : output.pictures) {
     require_format(path, settings.width, settings.height);
     if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the scene
@@ -49,7 +49,7 @@ void check_files(RenderCommandRequest& request) {
 
 // The reference, read early so that a wrong one is refused early. A box-filtered one asks for the same filter.
 std::optional<Picture> read_reference(RenderCommandRequest& request) {
-  RenderSettings& settings = request.render.settings;
+  RenderPlan& settings = request.render.settings;
   const std::string& path = request.output.reference;
   std::optional<Picture> reference;
   if (!path.empty()) {

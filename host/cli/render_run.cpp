@@ -23,7 +23,7 @@ namespace {
 // `begin`: of the hooks, with progress on the terminal and interrupts.
 template <class Begin>
 auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const Begin& begin) {
-  const RenderSettings& settings = request.render.settings;
+  const RenderPlan& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
   hooks.progress = [&](const Progress& progress) {
@@ -35,9 +35,9 @@ auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const 
 
 // What the pilot of a render learns of lights. One sample of the picture is rendered besides.
 LightShares learn_light_shares(Prepared& prepared) {
-  const RenderSettings& settings = prepared.plan.settings;
+  const RenderPlan& settings = prepared.plan.settings;
   if (!trains_light_selection(prepared.packed, settings)) return {};
-  RenderSettings one = settings;
+  RenderPlan one = settings;
   one.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample; // samplers may ask
   one.last_sample = one.first_sample + 1;
   one.adaptive = kAdaptiveOff;
@@ -93,7 +93,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
                              const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
-  const RenderSettings& settings = prepared.plan.settings;
+  const RenderPlan& settings = prepared.plan.settings;
   const std::optional<RenderState> resumed =
       read_resumed(state, settings, prepared.identity, device, prepared.warnings);
   if (resumed && !resumed->levels.empty()) {
@@ -102,8 +102,8 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
                   "leave out --samples and --mergeable, or begin anew with them");
   }
   if (resumed && request.render.mergeable) {
-    const bool trained = settings.light_pilot_paths != 0 && trains_light_selection(prepared.packed, settings);
-    if (trained || (settings.guide && settings.guide_iterations != kGuideIterations))
+    const bool trained = settings.training.paths != 0 && trains_light_selection(prepared.packed, settings);
+    if (trained || (settings.guide && settings.training.guide_iterations != kGuideIterations))
       throw Error(state.file, "has trained its choice of light as parts do not, so that its picture cannot be merged",
                   "leave out --samples and --mergeable, or begin anew with them");
   }
@@ -125,9 +125,9 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
 } // namespace
 
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
-  RenderSettings settings = prepared.plan.settings;
+  RenderPlan settings = prepared.plan.settings;
   Device& device = *prepared.device;
-  settings.light_shares = learn_light_shares(prepared);
+  settings.training.found = learn_light_shares(prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
   const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.net);
   device.pipeline_cache().save();

@@ -11,7 +11,7 @@
 namespace wavepath {
 
 std::string repeat_command(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
-  RenderSettings settings = prepared.plan.settings;
+  RenderPlan settings = prepared.plan.settings;
   const bool shares_out = result.noise && result.noise->used;
   const bool is_whole = result.spp == settings.last_sample - settings.first_sample || shares_out;
   const bool by_clock = settings.time_limit > 0.0 || settings.target_error > 0.0;
@@ -23,9 +23,9 @@ std::string repeat_command(const RenderCommandRequest& request, const Prepared& 
                                     camera_flags(request.scene.view), flags_of(settings), flags_of(request.scene),
                                     prepared.packed.origin.x, prepared.packed.origin.y, prepared.packed.origin.z);
   if (stands_alone(request.render) && (settings.guide || trains_light_selection(prepared.packed, settings)))
-    command += fmt::format(" --training-paths {}", settings.light_pilot_paths);
+    command += fmt::format(" --training-paths {}", settings.training.paths);
   if (stands_alone(request.render) && settings.guide)
-    command += fmt::format(" --guide-iterations {}", settings.guide_iterations);
+    command += fmt::format(" --guide-iterations {}", settings.training.guide_iterations);
   if (!request.render.device.empty() && request.render.devices.empty())
     command += fmt::format(" --device {}", shell_quoted(request.render.device));
   if (!request.render.devices.empty()) command += fmt::format(" --devices {}", shell_quoted(request.render.devices));

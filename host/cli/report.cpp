@@ -94,7 +94,7 @@ std::string percent_text(double share, double error) {
 
 } // namespace
 
-std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
+std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
                                    const MissingLight& missing) {
   const std::optional<DepthCut>& cut = missing.cut;
   const std::optional<LostLight>& lost = missing.lost;
@@ -150,7 +150,7 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
   return bias;
 }
 
-std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings) {
+std::string describe_first(const Nonfinite& nonfinite, const RenderPlan& settings) {
   const NonfiniteSample& first = nonfinite.first.value();
   const glm::uvec2 at = gpu::pixel_in_tile_order(first.at.pixel, settings.width, settings.height);
   return fmt::format(

@@ -22,11 +22,11 @@ struct MissingLight {
 };
 
 // Every reason why the expected picture is not the full light transport of the scene, a sentence each.
-std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
+std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
                                    const MissingLight& missing = {});
 
 // The first sample that was not finite and how to replay it. There must be one.
-std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings);
+std::string describe_first(const Nonfinite& nonfinite, const RenderPlan& settings);
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference);
 

@@ -21,7 +21,7 @@
 namespace wavepath {
 namespace {
 
-[[noreturn]] void refuse_not_taken(const std::string& flag, const RenderSettings& settings, const std::string& takers) {
+[[noreturn]] void refuse_not_taken(const std::string& flag, const RenderPlan& settings, const std::string& takers) {
   throw UsageError(flag, fmt::format("is not taken by --integrator {}", settings.integrator->name),
                    fmt::format("use --integrator {}, or leave it out", takers));
 }
@@ -76,7 +76,7 @@ void check_plan(const RenderRequest& request) {
 
 // Throws UsageError where a path is to be replayed that the render does not have.
 void check_replay(const RenderRequest& request) {
-  const RenderSettings& settings = request.settings;
+  const RenderPlan& settings = request.settings;
   if (request.pixel.has_value() != request.sample.has_value())
     throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
   if (!request.pixel) {
@@ -104,7 +104,7 @@ void check_replay(const RenderRequest& request) {
 bool stands_alone(const RenderRequest& request) { return !request.mergeable && request.devices.empty(); }
 
 void resolve_samples(RenderRequest& request) {
-  RenderSettings& settings = request.settings;
+  RenderPlan& settings = request.settings;
   if (request.state.resume && request.state.file.empty())
     throw UsageError("--resume", "there is nothing to resume from", "name the state with --checkpoint FILE");
   const bool part = is_given(request, "samples");
@@ -124,7 +124,7 @@ void resolve_samples(RenderRequest& request) {
 }
 
 void resolve_integrator(RenderRequest& request) {
-  RenderSettings& settings = request.settings;
+  RenderPlan& settings = request.settings;
   const IntegratorKind& automatic = *find_integrator("auto");
   const bool lone_part = is_given(request, "samples") && settings.sample_total == 0;
   const bool refuses_flag = std::ranges::any_of(settings_table(), [&](const Setting& row) {
@@ -140,7 +140,7 @@ void resolve_integrator(RenderRequest& request) {
 }
 
 void check_integrator(const RenderRequest& request) {
-  const RenderSettings& settings = request.settings;
+  const RenderPlan& settings = request.settings;
   const IntegratorKind& kind = *settings.integrator;
   for (const Setting& row : settings_table())
     if (row.takers == Takers::listed_else_refused && !is_taken(row, kind) && !is_default(row, settings))

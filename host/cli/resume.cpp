@@ -22,7 +22,7 @@ void check_state_file(const StateRequest& request) {
                      "add --resume to go on from it, or delete it first");
 }
 
-std::optional<RenderState> read_resumed(const StateRequest& request, const RenderSettings& settings,
+std::optional<RenderState> read_resumed(const StateRequest& request, const RenderPlan& settings,
                                         const std::string& identity, const DeviceInfo& device, Warnings& warnings) {
   std::error_code error;
   if (!request.resume) return std::nullopt;

@@ -16,7 +16,7 @@ namespace wavepath {
 void check_state_file(const StateRequest& request);
 
 // The state that --resume names; nothing if there is no such file yet. Throws Error if the state is of another render.
-std::optional<RenderState> read_resumed(const StateRequest& request, const RenderSettings& settings,
+std::optional<RenderState> read_resumed(const StateRequest& request, const RenderPlan& settings,
                                         const std::string& identity, const DeviceInfo& device, Warnings& warnings);
 
 // Writes the state to the file; a failure (a full disk) becomes a warning, because the render can go on and the file

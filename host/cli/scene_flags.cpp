@@ -132,7 +132,7 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
            });
 }
 
-void check_shutter(const SceneRequest& request, RenderSettings& settings) {
+void check_shutter(const SceneRequest& request, RenderPlan& settings) {
   settings.moving = request.load.shutter.has_value();
   if (!settings.moving) return;
   if (request.load.animation.empty())
@@ -142,7 +142,7 @@ void check_shutter(const SceneRequest& request, RenderSettings& settings) {
                      fmt::format("use --integrator {}", takers_text("shutter")));
 }
 
-std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSettings& settings,
+std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
                                    const std::string& reference) {
   std::vector<std::string> inputs = {request.path, settings.shadow_cookie, reference};
   const bool builtin = std::ranges::count(kEnvironmentNames, request.environment) > 0;

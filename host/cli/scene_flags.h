@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/staging/framing.h"
 #include "host/scene/staging/view.h"
@@ -33,9 +33,9 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
 // --shutter, for commands whose integrators can see motion.
 void add_shutter_flag(CLI::App& app, SceneRequest& request);
 // Refuses a shutter that the integrator cannot show, or that opens on nothing; tells the settings of it.
-void check_shutter(const SceneRequest& request, RenderSettings& settings);
+void check_shutter(const SceneRequest& request, RenderPlan& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.
-std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSettings& settings,
+std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
                                    const std::string& reference = "");
 // What SceneRequest has besides file and camera, as the flags that it is read from, each with a space before.
 std::string flags_of(const SceneRequest& request);

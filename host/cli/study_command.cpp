@@ -96,7 +96,7 @@ void check_files(const StudyCommandRequest& request) {
 }
 
 std::optional<StudyReference> read_reference(StudyCommandRequest& request) {
-  RenderSettings& settings = request.study.render;
+  RenderPlan& settings = request.study.render;
   const bool filter_given = is_given(request.render, "filter");
   if (!filter_given) settings.filter = gpu::kFilterBox;
   const std::string& path = request.reference;
@@ -122,7 +122,7 @@ std::optional<StudyReference> read_reference(StudyCommandRequest& request) {
 // The part that the commands repeating each row share: the scene and camera flags as they were given, then the settings
 // that all have in common. Each command has a seed of its own.
 std::string repeat_command(const CLI::App& app, const StudyCommandRequest& request, bvh::Quality quality) {
-  const RenderSettings& settings = request.study.render;
+  const RenderPlan& settings = request.study.render;
   std::string line = "wavepath render " + shell_quoted(request.scene.path);
   for (const CLI::Option* option : app.get_options([](const CLI::Option* o) {
          return o->count() > 0 && (o->get_group() == "Scene" || o->get_group() == "Camera");
@@ -169,7 +169,7 @@ StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, b
   study.view =
       resolve_view(scene, loaded.framing, request.scene.view, request.study.render.width, request.study.render.height);
   Warnings all = scene.warnings;
-  const auto pack_for = [&](const RenderSettings& settings) {
+  const auto pack_for = [&](const RenderPlan& settings) {
     const StudyScene::Key key = StudyScene::key_of(settings);
     if (study.packed.contains(key)) return;
     scene.warnings = {};
@@ -181,7 +181,7 @@ StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, b
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);
   };
-  RenderSettings common = request.study.render;
+  RenderPlan common = request.study.render;
   common.direct = gpu::kDirectMis;
   pack_for(common);
   for (const Configuration& one : make_grid(request.study.vary, request.study.render)) pack_for(one.settings);
@@ -211,7 +211,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   LoadedScene loaded = load_scene(request.scene);
   refuse_overwriting(targets_of(request), loaded.scene.files);
   if (!request.quiet) print_light(loaded);
-  RenderSettings whole = settings.render;
+  RenderPlan whole = settings.render;
   whole.last_sample = 1 << 16;
   whole.time_limit = settings.budget;
   const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
@@ -224,7 +224,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   if (loaded.sun && !request.scene.sun) repeat += fmt::format(" --sun {},{}", loaded.sun->x, loaded.sun->y);
   loaded = LoadedScene{};
   // All configurations use the default radius of hybrid, so that one reference of occlusion serves them all.
-  RenderSettings hybrid = settings.render;
+  RenderPlan hybrid = settings.render;
   hybrid.integrator = &kHybrid;
   settings.render.ao_radius = occlusion_radius(common, hybrid);
 

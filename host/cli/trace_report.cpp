@@ -89,7 +89,7 @@ std::string shadow_text(const Json& shadow) {
 
 } // namespace
 
-Json trace_document(const PathTrace& trace, const PackedScene& scene, const RenderSettings& settings) {
+Json trace_document(const PathTrace& trace, const PackedScene& scene, const RenderPlan& settings) {
   Json bounces = Json::array(), maker = nullptr;
   for (const PathVertex& vertex : trace.vertices) bounces.push_back(vertex_json(vertex, scene));
   if (trace.maker) maker = kMakerNames[*trace.maker];

@@ -55,7 +55,7 @@ struct ViewCommandRequest {
 void check_comparison(ViewCommandRequest& request) {
   const bool judges = request.shown == Shown::shadow_error;
   if (!request.comparison.split && !judges) return;
-  RenderSettings& settings = request.render.settings;
+  RenderPlan& settings = request.render.settings;
   if (!takes(*settings.integrator, "shadows"))
     throw UsageError(judges ? "--show shadow-error" : "--split",
                      fmt::format("compares shadow techniques, and --integrator {} has none", settings.integrator->name),
@@ -64,7 +64,7 @@ void check_comparison(ViewCommandRequest& request) {
 }
 
 void check(ViewCommandRequest& request) {
-  RenderSettings& settings = request.render.settings;
+  RenderPlan& settings = request.render.settings;
   if (!can_show(*settings.integrator, request.shown))
     throw UsageError(fmt::format("--show {}", kShownNames[static_cast<std::size_t>(request.shown)]),
                      fmt::format("is not known to --integrator {}", settings.integrator->name),
@@ -102,13 +102,13 @@ public:
       : request_(request),
         open_(open_scene(request.scene, request.render, window_extensions())),
         scene_(open_.loaded.scene) {
-    const RenderSettings& settings = request.render.settings;
+    const RenderPlan& settings = request.render.settings;
     if (!request.screenshot.empty()) refuse_overwriting({&request.screenshot, 1}, scene_.files);
     print_light(open_.loaded);
     const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
-    RenderSettings expected = settings;
+    RenderPlan expected = settings;
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
-    expected.room_for_mips = true; // for frames in motion
+    expected.kernels.mips = true; // for frames in motion
     const DeviceInfo& device = open_.device->info();
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
     packing_ = {.quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
@@ -123,7 +123,7 @@ public:
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     // A copied command renders what the window shows: nothing is left for pilots to decide.
-    RenderSettings shown = as_told(settings);
+    RenderPlan shown = as_told(settings);
     // A window begins anew whenever the camera moves: no training unless asked for.
     if (shown.lights == gpu::kLightsAuto)
       shown.lights = packed_.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
@@ -148,7 +148,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, packed_, so_far()); };
+    window.notes = [this](const RenderPlan& settings) { return list_bias(settings, packed_, so_far()); };
     window.save = [this](const std::string& path, const Picture& picture, const DisplayOptions& display) {
       save(path, picture, display);
     };
@@ -167,9 +167,9 @@ private:
     shown.environment_degrees = environment_.rotation_degrees;
     std::string flags = flags_of(shown);
     flags += fmt::format(" --origin {},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z);
-    const RenderSettings& settings = progressive_->settings();
+    const RenderPlan& settings = progressive_->settings();
     if (trains_light_selection(packed_, settings))
-      flags += fmt::format(" --training-paths {}", settings.light_pilot_paths);
+      flags += fmt::format(" --training-paths {}", settings.training.paths);
     if (!request_.render.device.empty()) flags += fmt::format(" --device {}", shell_quoted(request_.render.device));
     return flags;
   }
@@ -183,7 +183,7 @@ private:
   }
 
   void save(const std::string& path, const Picture& picture, const DisplayOptions& display) {
-    const RenderSettings& settings = progressive_->settings();
+    const RenderPlan& settings = progressive_->settings();
     const ProgressiveStatus status = progressive_->status();
     PictureInfo info;
     info.spp = status.spp;

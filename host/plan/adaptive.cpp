@@ -13,13 +13,13 @@ constexpr double kWholeOverPilot = 16.0;        // in paths
 
 } // namespace
 
-double adaptive_pilot_paths(const RenderSettings& settings) {
+double adaptive_pilot_paths(const RenderPlan& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const double part = noise_pilot_part(pixels);
   return static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
 }
 
-bool may_pay_adaptive(const RenderSettings& settings) {
+bool may_pay_adaptive(const RenderPlan& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
   return settings.adaptive == kAdaptiveAuto && takes(*settings.integrator, "adaptive") && shares_out &&

@@ -2,16 +2,16 @@
 // (loop/adaptive.h).
 #pragma once
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
 // Paths of the shortest pilot.
-double adaptive_pilot_paths(const RenderSettings& settings);
+double adaptive_pilot_paths(const RenderPlan& settings);
 
 // The render has 16 times the paths of the shortest pilot, which are 4 samples of its own, and pixels enough that runs
-// of them differ. One that is bounded by time is taken to have the paths of a CPU, on any device: the device is not known
-// yet.
-bool may_pay_adaptive(const RenderSettings& settings);
+// of them differ. One that is bounded by time is taken to have the paths of a CPU, on any device: the device is not
+// known yet.
+bool may_pay_adaptive(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -18,7 +18,7 @@ constexpr double kRaysPerSample = 6.0;
 
 } // namespace
 
-bvh::Quality choose_quality(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device) {
+bvh::Quality choose_quality(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device) {
   const double speed = device.type == "cpu" ? 1.0 : kGpuSpeed;
   const double samples =
       static_cast<double>(settings.width) * settings.height * (settings.last_sample - settings.first_sample);

@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 3> kQualityNames = {"fast", "balan
 
 // The best quality whose additional build time is less than what it saves a render by `settings` in traversal, as
 // measured on real scenes.
-bvh::Quality choose_quality(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device);
+bvh::Quality choose_quality(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device);
 
 // For the plan.
 Decision decision_of(bvh::Quality quality);

@@ -40,19 +40,19 @@ constexpr double kNever = 1e30; // a cost that no other exceeds
 // Pictures that seem to differ both ways are looked at again with other random numbers.
 constexpr std::uint32_t kSeedOfConfirmation = 0x6c8e9cf5u;
 
-RenderSettings pilot_of(const RenderSettings& settings, const Round& round = kFirstRound) {
-  RenderSettings pilot = PilotRunner::settings_of(round.row, settings);
-  pilot.guide_iterations = round.guide_iterations;
+RenderPlan pilot_of(const RenderPlan& settings, const Round& round = kFirstRound) {
+  RenderPlan pilot = PilotRunner::settings_of(round.row, settings);
+  pilot.training.guide_iterations = round.guide_iterations;
   return pilot;
 }
 
 // How many times the paths of a pilot the whole render has.
-double length_of(const RenderSettings& settings, bool cpu) {
+double length_of(const RenderPlan& settings, bool cpu) {
   return expected_paths(settings, cpu) / paths_of(pilot_of(settings));
 }
 
 struct Tried {
-  RenderSettings settings; // of the whole render
+  RenderPlan settings; // of the whole render
   RenderResult result;
   PictureLight light;
   double steady = 0.0, learned = 0.0; // work of the pilot: for its samples, and for what came before them
@@ -61,7 +61,7 @@ struct Tried {
 
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
-double learning_share(const RenderSettings& settings, const RenderResult& trial, const Round& round) {
+double learning_share(const RenderPlan& settings, const RenderResult& trial, const Round& round) {
   const bool longer = trial.guide && trial.guide->used;
   const double length = longer ? std::exp2(static_cast<double>(kGuideIterations - round.guide_iterations)) : 1.0;
   return length * paths_of(pilot_of(settings, round)) / paths_of(settings);
@@ -167,7 +167,7 @@ std::vector<std::string> exceptions_of(const IntegratorChoice& choice) {
 
 } // namespace
 
-std::string way_text(const RenderSettings& settings) {
+std::string way_text(const RenderPlan& settings) {
   std::string text(settings.integrator->name);
   for (const Setting& row : settings_table())
     if (row.decides == Decides::picture && row.takers != Takers::all && is_taken(row, *settings.integrator) &&
@@ -176,18 +176,18 @@ std::string way_text(const RenderSettings& settings) {
   return text;
 }
 
-IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& settings,
-                                   const std::function<bool(const RenderSettings&)>& fits) {
+IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
+                                   const std::function<bool(const RenderPlan&)>& fits) {
   if (!settings.integrator->candidates) return {.settings = settings};
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();
   const PackedScene& scene = pilots.scene();
-  const std::vector<RenderSettings> all = settings.integrator->candidates(settings, scene);
+  const std::vector<RenderPlan> all = settings.integrator->candidates(settings, scene);
   const bool cpu = pilots.is_cpu();
   IntegratorChoice choice{.settings = all.front()};
   const double length = length_of(settings, cpu);
   if (all.size() < 2 || length < kIntegratorPilot.render_over_pilots * static_cast<double>(all.size())) return choice;
-  std::vector<RenderSettings> candidates = {all.front()};
+  std::vector<RenderPlan> candidates = {all.front()};
   for (std::size_t i = 1; i < all.size(); ++i)
     if (fits(all[i]))
       candidates.push_back(all[i]);
@@ -196,9 +196,9 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& se
   if (candidates.size() < 2) return choice;
   choice.pilot = PilotRunner::picture_of(kIntegratorPilot, settings);
   std::vector<Tried> tried;
-  const auto try_out = [&](const RenderSettings& candidate, const Round& round) {
-    RenderSettings small = pilot_of(candidate, round);
-    if (!tried.empty()) small.light_shares = pilots.shared().light_shares; // that the first trained, as they would
+  const auto try_out = [&](const RenderPlan& candidate, const Round& round) {
+    RenderPlan small = pilot_of(candidate, round);
+    if (!tried.empty()) small.training.found = pilots.shared().light_shares; // that the first trained, as they would
     PilotRender pilot = pilots.run(small);
     Tried one{candidate, std::move(pilot.result), pilot.light, pilot.steady_work, pilot.training_work};
     one.work = one.steady + one.learned * learning_share(candidate, one.result, round);
@@ -237,16 +237,15 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& se
   };
   for (std::size_t i = 1; i < tried.size() && !folds_mirrors(scene); ++i) {
     if (!differ_both_ways(*tried[i].result.film, *tried[0].result.film)) continue;
-    RenderSettings ours = tried[i].settings, theirs = tried[0].settings;
+    RenderPlan ours = tried[i].settings, theirs = tried[0].settings;
     ours.seed ^= kSeedOfConfirmation, theirs.seed ^= kSeedOfConfirmation;
     const Round again{kSecondRound.row, kFirstRound.guide_iterations};
     if (differ_both_ways(*try_out(ours, again).result.film, *try_out(theirs, again).result.film))
       disagree(i, "each brighter than the other somewhere");
   }
   if (choice.taken > 0 && tried[choice.taken].settings.integrator != tried[0].settings.integrator)
-    if (const auto apart =
-            find_disagreement(pilots.device(), scene, pilots.view(), tried[0].settings, tried[choice.taken].settings,
-                              pilots.kernels(), pilots.shared()))
+    if (const auto apart = find_disagreement(pilots.device(), scene, pilots.view(), tried[0].settings,
+                                             tried[choice.taken].settings, pilots.kernels(), pilots.shared()))
       disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->share,
                                          100.0 * apart->standard_error));
   choice.settings = tried[choice.taken].settings;
@@ -257,9 +256,8 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& se
 
 std::string choice_text(const IntegratorChoice& choice) {
   const std::string reason = reason_of(choice);
-  std::string text =
-      fmt::format("auto took {}{}{}{}", way_text(choice.settings), choice.trials.empty() ? " without a trial" : "",
-                  reason.empty() ? "" : ": ", reason);
+  std::string text = fmt::format("auto took {}{}{}{}", way_text(choice.settings),
+                                 choice.trials.empty() ? " without a trial" : "", reason.empty() ? "" : ": ", reason);
   for (const std::string& clause : exceptions_of(choice)) text += "; " + clause;
   return text;
 }

@@ -11,7 +11,7 @@
 namespace wavepath {
 
 struct IntegratorChoice {
-  RenderSettings settings;            // never of an integrator that has candidates
+  RenderPlan settings;                // never of an integrator that has candidates
   std::vector<Trial> trials;          // empty where none were made
   std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
   std::vector<std::string> refused;   // and of those that the device cannot run
@@ -32,11 +32,11 @@ struct IntegratorChoice {
 // for it, if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole,
 // half of it where it is hard (100 %), as much where it is hopeless (300 %). Others than the first are left out where a
 // whole render by them does not fit into memory (`fits`). One that disagrees with the first (agreement.h) is not taken.
-IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& settings,
-                                   const std::function<bool(const RenderSettings&)>& fits);
+IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
+                                   const std::function<bool(const RenderPlan&)>& fits);
 
 // The integrator and what else of a way to render differs from the default: "path --guide", as the command line has it.
-std::string way_text(const RenderSettings& settings);
+std::string way_text(const RenderPlan& settings);
 
 // "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
 std::string choice_text(const IntegratorChoice& choice);

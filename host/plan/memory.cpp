@@ -16,7 +16,7 @@
 namespace wavepath {
 namespace {
 
-std::vector<MemoryItem> plan_path(const RenderSettings& settings, gpu::Feature features) {
+std::vector<MemoryItem> plan_path(const RenderPlan& settings, gpu::Feature features) {
   const IntegratorKind& kind = *settings.integrator;
   std::vector<MemoryItem> named;
   if (kind.slot_items) named = kind.slot_items(features, settings);
@@ -33,7 +33,7 @@ std::uint64_t total_bytes(const std::vector<MemoryItem>& items) {
   return sum;
 }
 
-MemoryPlan plan_memory(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) {
+MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const IntegratorKind& kind = *settings.integrator;
   const FilmShape shape = film_shape(settings);
@@ -64,7 +64,7 @@ MemoryCheck::MemoryCheck(std::string file, const ScenePlan& scene, gpu::Feature 
                          std::uint64_t available)
     : file_(std::move(file)), scene_(scene), features_(features), device_(std::move(device)), available_(available) {}
 
-std::uint64_t MemoryCheck::bytes(const RenderSettings& settings) const {
+std::uint64_t MemoryCheck::bytes(const RenderPlan& settings) const {
   const bool shared = device_.type == "cpu" || device_.type == "integrated"; // the device's memory is the host's
   const MemoryPlan plan = plan_memory(settings, scene_, features_);
   std::uint64_t sum = (shared ? 2 : 1) * scene_.total();
@@ -75,7 +75,7 @@ std::uint64_t MemoryCheck::bytes(const RenderSettings& settings) const {
   return sum + (shared ? choose_slots(device_, features_, settings) * total_bytes(plan.path) : 0);
 }
 
-void MemoryCheck::require(const RenderSettings& settings) const {
+void MemoryCheck::require(const RenderPlan& settings) const {
   require_memory(file_, fmt::format("rendering it at {}x{}", settings.width, settings.height), bytes(settings),
                  "use a smaller --size, fewer --aov or a simpler scene", available_);
 }

@@ -8,7 +8,7 @@
 #include "host/base/memory.h"
 #include "host/gpu/device_info.h"
 #include "host/render/settings/memory_item.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {
@@ -19,7 +19,7 @@ struct MemoryPlan {
 };
 
 // Only what this scene and these settings use. `features`: kFeature bits of the scene, or those expected of it.
-MemoryPlan plan_memory(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features);
+MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features);
 
 std::uint64_t total_bytes(const std::vector<MemoryItem>& items);
 
@@ -30,9 +30,9 @@ public:
   MemoryCheck(std::string file, const ScenePlan& scene, gpu::Feature features, DeviceInfo device,
               std::uint64_t available = available_memory());
 
-  std::uint64_t bytes(const RenderSettings& settings) const;
-  bool fits(const RenderSettings& settings) const { return bytes(settings) <= available_; }
-  void require(const RenderSettings& settings) const; // throws Error unless it fits
+  std::uint64_t bytes(const RenderPlan& settings) const;
+  bool fits(const RenderPlan& settings) const { return bytes(settings) <= available_; }
+  void require(const RenderPlan& settings) const; // throws Error unless it fits
 
 private:
   std::string file_;

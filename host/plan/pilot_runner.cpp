@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-bool is_affordable(const PilotRow& row, const RenderSettings& render, bool cpu) {
+bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu) {
   return expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
 }
 
@@ -22,22 +22,22 @@ PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& v
       shared_(shared),
       cpu_(device.info().type == "cpu") {}
 
-RenderSettings PilotRunner::settings_of(const PilotRow& row, const RenderSettings& render) {
-  RenderSettings pilot = small_picture(render, row.side, row.samples);
+RenderPlan PilotRunner::settings_of(const PilotRow& row, const RenderPlan& render) {
+  RenderPlan pilot = small_picture(render, row.side, row.samples);
   pilot.seed = render.seed ^ row.seed;
   return pilot;
 }
 
-PilotPicture PilotRunner::picture_of(const PilotRow& row, const RenderSettings& render) {
-  const RenderSettings pilot = settings_of(row, render);
+PilotPicture PilotRunner::picture_of(const PilotRow& row, const RenderPlan& render) {
+  const RenderPlan pilot = settings_of(row, render);
   return {pilot.width, pilot.height, row.samples};
 }
 
-double PilotRunner::paths_of_all(const PilotRow& row, const RenderSettings& render) {
+double PilotRunner::paths_of_all(const PilotRow& row, const RenderPlan& render) {
   return row.pictures * paths_of(settings_of(row, render));
 }
 
-PilotRender PilotRunner::run(const RenderSettings& pilot) {
+PilotRender PilotRunner::run(const RenderPlan& pilot) {
   std::unique_ptr<RenderLoop> loop = std::move(loop_); // one that throws is of no use any more
   if (loop && loop->settings().integrator == pilot.integrator) {
     loop->restart(view_, pilot);
@@ -56,8 +56,7 @@ PilotRender PilotRunner::run(const RenderSettings& pilot) {
   render_seconds_ += made.result.seconds;
   made.light = light_of(*made.result.film);
   made.steady_work = steady_work(pilot, made.result, cpu_);
-  made.training_work =
-      std::max(0.0, pilot.integrator->work(pilot, made.result.rays, cpu_) - made.steady_work);
+  made.training_work = std::max(0.0, pilot.integrator->work(pilot, made.result.rays, cpu_) - made.steady_work);
   loop_ = std::move(loop);
   return made;
 }

@@ -15,7 +15,7 @@ namespace wavepath {
 // A pilot that was made. Work is counted, never timed: rays by kind, weighed by constants of the type of device
 // (IntegratorKind::work), so that what is decided depends on no clock.
 struct PilotRender {
-  RenderSettings settings; // of the pilot
+  RenderPlan settings; // of the pilot
   RenderResult result;
   PictureLight light;
   double steady_work = 0.0;   // of its samples, in camera rays
@@ -27,7 +27,7 @@ struct PilotRender {
 };
 
 // Whether the render has so many times the paths of the pictures of a row as the row asks for.
-bool is_affordable(const PilotRow& row, const RenderSettings& render, bool cpu);
+bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu);
 
 class PilotRunner {
 public:
@@ -36,13 +36,13 @@ public:
               SceneOnDevice& shared);
 
   // The settings of a pilot: the render's own for a small picture.
-  static RenderSettings settings_of(const PilotRow& row, const RenderSettings& render);
-  static PilotPicture picture_of(const PilotRow& row, const RenderSettings& render);
+  static RenderPlan settings_of(const PilotRow& row, const RenderPlan& render);
+  static PilotPicture picture_of(const PilotRow& row, const RenderPlan& render);
   // Paths that all pictures of a row have.
-  static double paths_of_all(const PilotRow& row, const RenderSettings& render);
+  static double paths_of_all(const PilotRow& row, const RenderPlan& render);
 
   // Renders it. Pilots by the same integrator share buffers. Throws DeviceLimit where the device cannot run it.
-  PilotRender run(const RenderSettings& pilot);
+  PilotRender run(const RenderPlan& pilot);
 
   Device& device() { return device_; }
   const PackedScene& scene() const { return scene_; }

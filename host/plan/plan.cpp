@@ -22,13 +22,13 @@
 namespace wavepath {
 namespace {
 
-bool is_auto(const RenderSettings& settings, std::string_view name) {
+bool is_auto(const RenderPlan& settings, std::string_view name) {
   const Setting& row = setting_named(name);
   return is_taken(row, *settings.integrator) && text_of(row, settings) == "auto";
 }
 
 // What a pilot would decide, before it is made.
-Decision to_be_tried(std::string_view what, const PilotRow& row, const RenderSettings& settings, bool cpu) {
+Decision to_be_tried(std::string_view what, const PilotRow& row, const RenderPlan& settings, bool cpu) {
   Decision decision{.what = what, .taken = "auto"};
   decision.pilot = PilotRunner::picture_of(row, settings);
   decision.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
@@ -37,7 +37,7 @@ Decision to_be_tried(std::string_view what, const PilotRow& row, const RenderSet
   return decision;
 }
 
-Decision decide_light_samples(const RenderSettings& settings, const PackedScene& scene) {
+Decision decide_light_samples(const RenderPlan& settings, const PackedScene& scene) {
   const std::uint32_t samples = light_samples_of(settings, scene.features);
   return {.what = "light-samples",
           .taken = fmt::format("{}", samples),
@@ -45,19 +45,19 @@ Decision decide_light_samples(const RenderSettings& settings, const PackedScene&
                              : "rule: no environment map"};
 }
 
-Decision decide_lights(const RenderSettings& settings, const PackedScene& scene) {
+Decision decide_lights(const RenderPlan& settings, const PackedScene& scene) {
   const bool trains = trains_light_selection(scene, settings);
   const bool tree = !scene.light_tree.empty() && settings.integrator->walks_light_tree;
   Decision decision{.what = "lights", .taken = trains ? "learned" : tree ? "tree" : "power"};
   decision.why = trains ? fmt::format("rule: an environment map, or many lights in many places; trained on {} paths",
-                                      settings.light_pilot_paths)
+                                      settings.training.paths)
                         : "rule: few lights, or nothing to train for";
   return decision;
 }
 
 void decide_adaptive(Plan& plan, bool stands_alone, bool cpu) {
-  RenderSettings& settings = plan.settings;
-  settings.tries_adaptive = false;
+  RenderPlan& settings = plan.settings;
+  settings.looks_for_noise = false;
   if (!is_auto(settings, "adaptive")) return;
   Decision decision{.what = "adaptive", .taken = "off"};
   if (!stands_alone) {
@@ -68,19 +68,19 @@ void decide_adaptive(Plan& plan, bool stands_alone, bool cpu) {
     decision.taken = "auto";
     decision.why = "a pilot of noise decides when the render begins";
     decision.fraction = adaptive_pilot_paths(settings) / expected_paths(settings, cpu);
-    settings.tries_adaptive = true;
+    settings.looks_for_noise = true;
   }
-  if (!settings.tries_adaptive) settings.adaptive = kAdaptiveOff;
+  if (!settings.looks_for_noise) settings.adaptive = kAdaptiveOff;
   plan.decisions.push_back(std::move(decision));
 }
 
 void decide_sky_samples(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
-  RenderSettings& settings = plan.settings;
+  RenderPlan& settings = plan.settings;
   if (!is_auto(settings, "sky-samples")) return;
   SkyChoice choice;
   if (pilots) {
     choice = choose_sky_samples(*pilots, settings);
-    settings.tries_sky = choice.keeps_kernels;
+    settings.kernels.sky_samples = choice.keeps_kernels;
   } else if (may_try_sky(settings, cpu) && may_share_sky(settings, scene.features)) {
     plan.decisions.push_back(to_be_tried("sky-samples", kSkyPilot, settings, cpu));
     return;
@@ -90,7 +90,7 @@ void decide_sky_samples(Plan& plan, const PackedScene& scene, bool cpu, PilotRun
 }
 
 void decide_integrator(Plan& plan, const PlanRequest& request, bool cpu, PilotRunner* pilots) {
-  RenderSettings& settings = plan.settings;
+  RenderPlan& settings = plan.settings;
   if (!settings.integrator->candidates) return;
   if (!pilots) {
     plan.decisions.push_back(to_be_tried("integrator", kIntegratorPilot, settings, cpu));
@@ -103,16 +103,16 @@ void decide_integrator(Plan& plan, const PlanRequest& request, bool cpu, PilotRu
 }
 
 void decide_reuse(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
-  RenderSettings& settings = plan.settings;
+  RenderPlan& settings = plan.settings;
   if (!is_auto(settings, "reuse")) return;
   ReuseChoice choice;
   if (pilots) {
     choice = choose_reuse(*pilots, settings);
     settings.reuse = choice.pays ? kReuseOn : kReuseOff;
-    settings.tries_reuse = choice.tries_reuse;
+    settings.kernels.reuse = choice.kernels.reuse;
   } else {
-    RenderSettings trying = settings;
-    trying.tries_reuse = where_to_try_reuse(settings, cpu);
+    RenderPlan trying = settings;
+    trying.kernels.reuse = where_to_try_reuse(settings, cpu);
     if (tries_reuse(trying, scene.features)) {
       plan.decisions.push_back(to_be_tried("reuse", kSmallReusePilot, settings, cpu));
       return;
@@ -124,31 +124,31 @@ void decide_reuse(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* p
 
 } // namespace
 
-RenderSettings as_told(RenderSettings settings, bool looks_for_noise) {
+RenderPlan as_told(RenderPlan settings, bool looks_for_noise) {
   if (settings.integrator->candidates) settings.integrator = &default_integrator();
-  settings.tries_adaptive = looks_for_noise && settings.adaptive == kAdaptiveAuto;
+  settings.looks_for_noise = looks_for_noise && settings.adaptive == kAdaptiveAuto;
   if (settings.adaptive == kAdaptiveAuto && !looks_for_noise) settings.adaptive = kAdaptiveOff;
   if (settings.reuse == kReuseAuto) settings.reuse = kReuseOff;
   if (settings.sky_samples == 0) settings.sky_samples = 1;
-  settings.tries_sky = false;
-  settings.tries_reuse = kTriesReuseNowhere;
+  settings.kernels.sky_samples = false;
+  settings.kernels.reuse = BearsReuse::nowhere;
   return settings;
 }
 
-void foresee(RenderSettings& settings, Policy policy, bool stands_alone) {
+void foresee(RenderPlan& settings, Policy policy, bool stands_alone) {
   const bool pilots = policy == Policy::pilots;
-  settings.tries_sky = pilots && may_try_sky(settings, false); // the device is not known yet
-  settings.tries_reuse = pilots ? where_to_try_reuse(settings, false) : kTriesReuseNowhere;
-  settings.tries_adaptive = pilots && stands_alone && may_pay_adaptive(settings);
+  settings.kernels.sky_samples = pilots && may_try_sky(settings, false); // the device is not known yet
+  settings.kernels.reuse = pilots ? where_to_try_reuse(settings, false) : BearsReuse::nowhere;
+  settings.looks_for_noise = pilots && stands_alone && may_pay_adaptive(settings);
 }
 
 Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
   Plan plan{.settings = request.settings};
-  RenderSettings& settings = plan.settings;
+  RenderPlan& settings = plan.settings;
   if (request.stands_alone && request.policy != Policy::as_told) set_pilot_lengths(settings, cpu);
   if (request.recorded) apply(*request.recorded, settings);
-  if (request.training_paths) settings.light_pilot_paths = *request.training_paths;
-  if (request.guide_iterations) settings.guide_iterations = *request.guide_iterations;
+  if (request.training_paths) settings.training.paths = *request.training_paths;
+  if (request.guide_iterations) settings.training.guide_iterations = *request.guide_iterations;
   if (request.recorded || request.policy == Policy::as_told) {
     settings = as_told(settings, request.recorded.has_value() && request.stands_alone);
     if (request.recorded)

@@ -12,7 +12,7 @@
 
 #include "host/plan/decision.h"
 #include "host/plan/record.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -25,26 +25,26 @@ struct RenderResult;
 enum class Policy { as_told, rules, pilots };
 
 struct Plan {
-  RenderSettings settings;          // none of an integrator that stands for others
-  std::vector<Decision> decisions;  // in the order in which they were made
+  RenderPlan settings;               // none of an integrator that stands for others
+  std::vector<Decision> decisions;   // in the order in which they were made
   std::vector<std::string> warnings; // what pilots found to be wrong
 };
 
 struct PlanRequest {
-  RenderSettings settings;
+  RenderPlan settings;
   Policy policy = Policy::pilots;
-  bool stands_alone = true; // neither a part of another render nor shared by several devices
-  std::optional<PlanRecord> recorded{};             // of an earlier render, whose decisions are taken over
-  std::optional<std::uint64_t> training_paths{};    // as asked for, in place of what the length of the render decides
+  bool stands_alone = true;                      // neither a part of another render nor shared by several devices
+  std::optional<PlanRecord> recorded{};          // of an earlier render, whose decisions are taken over
+  std::optional<std::uint64_t> training_paths{}; // as asked for, in place of what the length of the render decides
   std::optional<std::uint32_t> guide_iterations{};
-  std::function<bool(const RenderSettings&)> fits = [](const RenderSettings&) { return true; }; // into memory
+  std::function<bool(const RenderPlan&)> fits = [](const RenderPlan&) { return true; }; // into memory
 };
 
 // Settings as they stand without any pilot; but with that of noise, which the loop makes, if `looks_for_noise`.
-RenderSettings as_told(RenderSettings settings, bool looks_for_noise = false);
+RenderPlan as_told(RenderPlan settings, bool looks_for_noise = false);
 
 // Before scene and device are known: what kernels must bear for pilots that may be made.
-void foresee(RenderSettings& settings, Policy policy, bool stands_alone);
+void foresee(RenderPlan& settings, Policy policy, bool stands_alone);
 
 // Decides in this order: training lengths, sky samples, integrator, reuse, adaptivity. `pilots`: of the scene; null
 // unless the policy is Policy::pilots.

@@ -33,7 +33,7 @@ Json pilot_json(const PilotPicture& pilot) {
 
 } // namespace
 
-void complete(std::vector<Decision>& decisions, const RenderSettings& settings, bool trains) {
+void complete(std::vector<Decision>& decisions, const RenderPlan& settings, bool trains) {
   const auto add = [&](std::string_view what, std::string taken, const char* why) {
     if (std::ranges::count(decisions, what, &Decision::what) == 0)
       decisions.push_back({.what = what, .taken = std::move(taken), .why = why});
@@ -44,10 +44,11 @@ void complete(std::vector<Decision>& decisions, const RenderSettings& settings, 
     if (is_taken(row, *settings.integrator) && !text.empty()) add(name, text, "as asked, or with another decision");
   }
   if (trains || settings.guide)
-    add(kTrainingPathsName, fmt::format("{}", settings.light_pilot_paths),
-        settings.light_pilot_paths > 0 ? "rule: by the paths of the render" : "rule: as parts of a render have");
+    add(kTrainingPathsName, fmt::format("{}", settings.training.paths),
+        settings.training.paths > 0 ? "rule: by the paths of the render" : "rule: as parts of a render have");
   if (settings.guide)
-    add(kGuideIterationsName, fmt::format("{}", settings.guide_iterations), "rule: by the paths of the render");
+    add(kGuideIterationsName, fmt::format("{}", settings.training.guide_iterations),
+        "rule: by the paths of the render");
 }
 
 Json to_json(const std::vector<Decision>& decisions) {
@@ -95,14 +96,14 @@ PlanRecord record_from(const Json& decisions) {
   return record;
 }
 
-void apply(const PlanRecord& record, RenderSettings& settings) {
+void apply(const PlanRecord& record, RenderPlan& settings) {
   for (const auto& [name, value] : record.values) {
     const Setting& row = setting_named(name);
     const bool open = name == "integrator" ? settings.integrator->candidates != nullptr : is_default(row, settings);
     if (open) read_setting(row, value, settings);
   }
-  if (record.training_paths) settings.light_pilot_paths = *record.training_paths;
-  if (record.guide_iterations) settings.guide_iterations = *record.guide_iterations;
+  if (record.training_paths) settings.training.paths = *record.training_paths;
+  if (record.guide_iterations) settings.training.guide_iterations = *record.guide_iterations;
 }
 
 } // namespace wavepath

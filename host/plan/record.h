@@ -10,7 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "host/plan/decision.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -18,14 +18,14 @@ namespace wavepath {
 // scene alone repeats by itself.
 struct PlanRecord {
   std::vector<std::pair<std::string, std::string>> values; // by name of the setting
-  std::optional<std::uint64_t> training_paths;             // RenderSettings::light_pilot_paths
+  std::optional<std::uint64_t> training_paths;             // RenderPlan::light_pilot_paths
   std::optional<std::uint32_t> guide_iterations;
   bool operator==(const PlanRecord&) const = default;
 };
 
 // Adds to the decisions those that nothing but the command line made, so that the list tells the whole plan. `trains`:
 // the choice of lights.
-void complete(std::vector<Decision>& decisions, const RenderSettings& settings, bool trains);
+void complete(std::vector<Decision>& decisions, const RenderPlan& settings, bool trains);
 
 // [{"what", "taken", "why", "cost", "cost_ci95", "seconds", "render_seconds", "fraction", "pilot", "trials"}]
 nlohmann::ordered_json to_json(const std::vector<Decision>& decisions);
@@ -37,6 +37,6 @@ PlanRecord record_from(const nlohmann::ordered_json& decisions);
 
 // Takes over what was recorded for settings that are at their defaults. Throws UsageError for a value that no setting
 // has.
-void apply(const PlanRecord& record, RenderSettings& settings);
+void apply(const PlanRecord& record, RenderPlan& settings);
 
 } // namespace wavepath

@@ -15,16 +15,16 @@ constexpr double kReuseTrainingPaths = 2e5; // that light selection takes, which
 constexpr double kCpuReuseKernels = 1e6;
 
 // Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
-RenderSettings reuse_pilot_of(const PilotRow& row, const RenderSettings& settings, std::uint32_t reuse) {
-  RenderSettings pilot = PilotRunner::settings_of(row, settings);
+RenderPlan reuse_pilot_of(const PilotRow& row, const RenderPlan& settings, std::uint32_t reuse) {
+  RenderPlan pilot = PilotRunner::settings_of(row, settings);
   pilot.reuse = reuse;
   pilot.quad_scale = static_cast<double>(pilot.width) / settings.width;
-  pilot.tries_reuse = kTriesReuseAnywhere;
+  pilot.kernels.reuse = BearsReuse::anywhere;
   return pilot;
 }
 
 // Null: none pays.
-const PilotRow* affordable_reuse_pilot(const RenderSettings& settings, bool cpu) {
+const PilotRow* affordable_reuse_pilot(const RenderPlan& settings, bool cpu) {
   for (const PilotRow* row : {&kReusePilot, &kSmallReusePilot})
     if (is_affordable(*row, settings, cpu)) return row;
   return nullptr;
@@ -32,31 +32,32 @@ const PilotRow* affordable_reuse_pilot(const RenderSettings& settings, bool cpu)
 
 } // namespace
 
-std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu) {
-  if (settings.reuse != kReuseAuto || !affordable_reuse_pilot(settings, cpu)) return kTriesReuseNowhere;
-  return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? kTriesReuseUnlearned
-                                                                                        : kTriesReuseAnywhere;
+std::uint32_t where_to_try_reuse(const RenderPlan& settings, bool cpu) {
+  if (settings.reuse != kReuseAuto || !affordable_reuse_pilot(settings, cpu)) return BearsReuse::nowhere;
+  return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? BearsReuse::untrained
+                                                                                              : BearsReuse::anywhere;
 }
 
-ReuseChoice choose_reuse(PilotRunner& pilots, const RenderSettings& settings) {
+ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   const bool cpu = pilots.is_cpu();
-  RenderSettings trying = settings;
-  trying.tries_reuse = where_to_try_reuse(settings, cpu);
+  RenderPlan trying = settings;
+  trying.kernels.reuse = where_to_try_reuse(settings, cpu);
   if (!tries_reuse(trying, pilots.scene().features)) // a CPU had better not compile others now
-    return {.tries_reuse = cpu ? settings.tries_reuse : kTriesReuseNowhere};
-  trying.learns_sky = settings.learns_sky && trying.tries_reuse == kTriesReuseAnywhere; // else its training is too long
+    return {.kernels.reuse = cpu ? settings.kernels.reuse : BearsReuse::nowhere};
+  trying.training.one_colour =
+      settings.training.one_colour && trying.kernels.reuse == BearsReuse::anywhere; // else its training is too long
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();
   const PilotRow& row = *affordable_reuse_pilot(settings, cpu);
   const PilotRender apart = pilots.run(reuse_pilot_of(row, trying, kReuseOff));
-  RenderSettings sharing = reuse_pilot_of(row, trying, kReuseOn);
-  sharing.light_shares = apart.result.light_pilot.shares;
+  RenderPlan sharing = reuse_pilot_of(row, trying, kReuseOn);
+  sharing.training.found = apart.result.light_pilot.shares;
   const PilotRender together = pilots.run(sharing);
   ReuseChoice choice{.tried = true};
   if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();
   choice.pays = choice.cost < kWorthwhile;
   if (cpu && expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kCpuReuseKernels)
-    choice.tries_reuse = trying.tries_reuse;
+    choice.kernels.reuse = trying.kernels.reuse;
   choice.seconds = seconds_since(start);
   choice.render_seconds = pilots.render_seconds() - rendered_before;
   choice.pilot = PilotRunner::picture_of(row, settings);
@@ -64,7 +65,7 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderSettings& settings) {
   return choice;
 }
 
-Decision decision_of(const ReuseChoice& choice, const RenderSettings& settings) {
+Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
   Decision decision{.what = "reuse",
                     .taken = reuses_paths(settings) ? "on" : "off",
                     .cost = choice.cost,

@@ -13,21 +13,21 @@ struct ReuseChoice {
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
   PilotPicture pilot;
-  double fraction = 0.0;       // of the render's paths that the pilots have, as foreseen
-  // RenderSettings::tries_reuse of the render: in short ones the kernels for pilots serve it, too.
-  std::uint32_t tries_reuse = kTriesReuseNowhere;
+  double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
+  // RenderPlan::tries_reuse of the render: in short ones the kernels for pilots serve it, too.
+  std::uint32_t tries_reuse = BearsReuse::nowhere;
 };
 
 // In which scenes a render is long enough for pilots, so that kernels for them are worth beginning before the scene is
-// known: for RenderSettings::tries_reuse.
-std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu);
+// known: for RenderPlan::tries_reuse.
+std::uint32_t where_to_try_reuse(const RenderPlan& settings, bool cpu);
 
 // Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
 // work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none
 // where most noise is of direct light, of metal or of glass. Work is counted, never timed.
-ReuseChoice choose_reuse(PilotRunner& pilots, const RenderSettings& settings);
+ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings);
 
 // For the plan.
-Decision decision_of(const ReuseChoice& choice, const RenderSettings& settings);
+Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings);
 
 } // namespace wavepath

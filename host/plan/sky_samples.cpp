@@ -19,17 +19,17 @@ constexpr std::uint32_t kTried = 4; // besides 1
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuSkyKernels = 5e5;
 
-RenderSettings sky_pilot_of(const PilotRow& row, const RenderSettings& settings, std::uint32_t sky_samples) {
-  RenderSettings pilot = PilotRunner::settings_of(row, settings);
+RenderPlan sky_pilot_of(const PilotRow& row, const RenderPlan& settings, std::uint32_t sky_samples) {
+  RenderPlan pilot = PilotRunner::settings_of(row, settings);
   pilot.guide = false;
   pilot.sky_samples = sky_samples;
-  pilot.tries_sky = true;
-  pilot.learns_sky = false; // training would take longer than the pilot
+  pilot.kernels.sky_samples = true;
+  pilot.training.one_colour = false; // training would take longer than the pilot
   return pilot;
 }
 
 // Null: none pays.
-const PilotRow* affordable_sky_pilot(const RenderSettings& settings, bool cpu) {
+const PilotRow* affordable_sky_pilot(const RenderPlan& settings, bool cpu) {
   for (const PilotRow* row : {&kSkyPilot, &kSmallSkyPilot})
     if (is_affordable(*row, settings, cpu)) return row;
   return nullptr;
@@ -42,12 +42,12 @@ struct Measured {
 
 } // namespace
 
-bool may_try_sky(const RenderSettings& settings, bool cpu) {
+bool may_try_sky(const RenderPlan& settings, bool cpu) {
   return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
          affordable_sky_pilot(settings, cpu) != nullptr;
 }
 
-SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderSettings& settings) {
+SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   const bool cpu = pilots.is_cpu();
   const gpu::Feature features = pilots.scene().features;
   const bool longer = expected_paths(settings, cpu) >= kSkyPilot.render_over_pilots * kCpuSkyKernels;
@@ -81,7 +81,7 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderSettings& settings
   return choice;
 }
 
-Decision decision_of(const SkyChoice& choice, const RenderSettings& settings) {
+Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
   Decision decision{.what = "sky-samples",
                     .taken = fmt::format("{}", std::max(settings.sky_samples, 1u)),
                     .cost = choice.cost,

@@ -14,15 +14,15 @@ struct SkyChoice {
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
   PilotPicture pilot;
-  double fraction = 0.0;       // of the render's paths that the pilots have, as foreseen
-  // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the
+  double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
+  // Kernels for pilots serve the render, too (RenderPlan::tries_sky): others are not worth compiling for 1 % of the
   // time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
 };
 
 // Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
-// it is known (RenderSettings::tries_sky).
-bool may_try_sky(const RenderSettings& settings, bool cpu);
+// it is known (RenderPlan::tries_sky).
+bool may_try_sky(const RenderPlan& settings, bool cpu);
 
 // Renders a small picture with one direction a vertex and with four. Light that paths find in the sky makes a part of
 // the squared error that falls as 1 / directions, and each takes as much work as another; so the two tell the number
@@ -31,9 +31,9 @@ bool may_try_sky(const RenderSettings& settings, bool cpu);
 // open. Where more pay and lights are learned, directions are learned as well. Work is counted, never timed. Nothing is
 // tried in a render of less than 20 times the paths of both pilots and of what compiling for them takes, or if a number
 // was asked for.
-SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderSettings& settings);
+SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings);
 
 // For the plan.
-Decision decision_of(const SkyChoice& choice, const RenderSettings& settings);
+Decision decision_of(const SkyChoice& choice, const RenderPlan& settings);
 
 } // namespace wavepath

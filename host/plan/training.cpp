@@ -20,7 +20,7 @@ constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path
 constexpr double kCpuFurtherIteration = 8e6, kGpuFurtherIteration = 8e8;
 
 // Of the render, as far as pilots may rely on it.
-double reliable_paths(const RenderSettings& settings, bool cpu) {
+double reliable_paths(const RenderPlan& settings, bool cpu) {
   const double paths = expected_paths(settings, cpu);
   const double few = kFewSamples * static_cast<double>(settings.width) * settings.height;
   return settings.target_error > 0.0 ? std::min(paths, few) : paths;
@@ -28,19 +28,19 @@ double reliable_paths(const RenderSettings& settings, bool cpu) {
 
 } // namespace
 
-std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu) {
+std::uint64_t light_pilot_paths(const RenderPlan& settings, bool cpu) {
   const double paths = kEqual * std::pow(reliable_paths(settings, cpu) / kEqual, 0.75);
   return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
 }
 
-std::uint32_t guide_iterations(const RenderSettings& settings, bool cpu) {
+std::uint32_t guide_iterations(const RenderPlan& settings, bool cpu) {
   const bool pays = reliable_paths(settings, cpu) >= (cpu ? kCpuFurtherIteration : kGpuFurtherIteration);
   return kGuideIterations + (pays ? 1 : 0);
 }
 
-void set_pilot_lengths(RenderSettings& settings, bool cpu) {
-  settings.light_pilot_paths = light_pilot_paths(settings, cpu);
-  settings.guide_iterations = guide_iterations(settings, cpu);
+void set_pilot_lengths(RenderPlan& settings, bool cpu) {
+  settings.training.paths = light_pilot_paths(settings, cpu);
+  settings.training.guide_iterations = guide_iterations(settings, cpu);
 }
 
 } // namespace wavepath

@@ -28,21 +28,21 @@ bool folds_mirrors(const PackedScene& scene) {
 }
 
 std::optional<Disagreement> find_disagreement(Device& device, const PackedScene& scene, const View& view,
-                                              const RenderSettings& first, const RenderSettings& second,
+                                              const RenderPlan& first, const RenderPlan& second,
                                               KernelCompiler& kernels, SceneOnDevice& shared) {
   if (folds_mirrors(scene)) return std::nullopt;
   const auto gap_at = [&](std::uint32_t samples, std::uint32_t seed) -> std::optional<Disagreement> {
     std::array<PictureLight, 2> light;
     for (std::size_t i = 0; i < 2; ++i) {
-      RenderSettings once = small_picture(i == 0 ? first : second, kAgreementSide, samples);
+      RenderPlan once = small_picture(i == 0 ? first : second, kAgreementSide, samples);
       once.max_depth = std::min(once.max_depth, 1u);
       once.guide = false, once.reuse = kReuseOff; // what is learned, or shared, begins at the second bounce
       once.seed = first.seed ^ seed;
       once.aovs.clear();
       // The kernels of the render serve, which may pass panes where there are bounces left.
       if (once.integrator->passes_panes)
-        once.added_features |= scene.features & (gpu::kFeaturePanes | gpu::kFeatureWalls);
-      once.light_shares = shared.light_shares;
+        once.kernels.added |= scene.features & (gpu::kFeaturePanes | gpu::kFeatureWalls);
+      once.training.found = shared.light_shares;
       light[i] = light_of(*render(device, scene, view, once, RenderHooks{}, kernels, &shared).film);
     }
     const double most = std::max(light[0].sum, light[1].sum), gap = light[1].sum - light[0].sum;

@@ -21,7 +21,7 @@ bool folds_mirrors(const PackedScene& scene);
 // than four standard errors and a percent, in a second trial with another seed and four times the samples as well, and
 // to the same side, is no chance. Nothing where they agree.
 std::optional<Disagreement> find_disagreement(Device& device, const PackedScene& scene, const View& view,
-                                              const RenderSettings& first, const RenderSettings& second,
+                                              const RenderPlan& first, const RenderPlan& second,
                                               KernelCompiler& kernels, SceneOnDevice& shared);
 
 // Whether each of two pictures of the same size is brighter in some block of 4x4 than the other by more than four

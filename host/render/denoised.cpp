@@ -32,7 +32,7 @@ DenoiseReport add_denoised(Picture& picture, const Film& film, std::uint32_t how
           all > 0.0 ? (after.x + after.y + after.z) / all : 1.0};
 }
 
-void denoise_if_asked(RenderResult& result, const RenderSettings& settings) {
+void denoise_if_asked(RenderResult& result, const RenderPlan& settings) {
   if (denoises_film(settings)) result.denoised = add_denoised(result.picture, *result.film, settings.denoise);
 }
 

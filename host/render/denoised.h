@@ -4,7 +4,7 @@
 #include "host/film/film.h"
 #include "host/picture/picture.h"
 #include "host/render/loop/render_result.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -13,6 +13,6 @@ namespace wavepath {
 DenoiseReport add_denoised(Picture& picture, const Film& film, std::uint32_t how);
 
 // The same for the result of a render, if its settings ask for it.
-void denoise_if_asked(RenderResult& result, const RenderSettings& settings);
+void denoise_if_asked(RenderResult& result, const RenderPlan& settings);
 
 } // namespace wavepath

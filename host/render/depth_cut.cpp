@@ -7,14 +7,14 @@
 
 namespace wavepath {
 
-DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                            KernelCompiler& kernels, SceneOnDevice& shared, const ProgressCallback& progress) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
-  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  RenderPlan small = small_picture(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
-  small.light_shares = shared.light_shares;
+  small.training.found = shared.light_shares;
   const Picture cut = render_whole(device, scene, view, small, progress, kernels, shared).picture;
-  small.light_shares = shared.light_shares; // both with the same, wherever they were learned
+  small.training.found = shared.light_shares; // both with the same, wherever they were learned
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render_whole(device, scene, view, small, progress, kernels, shared).picture;
 

@@ -45,19 +45,19 @@ std::string unlit_bodies(const PackedScene& scene) {
 }
 
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
-                                            const RenderSettings& settings, KernelCompiler& kernels,
-                                            SceneOnDevice& shared, const ProgressCallback& progress) {
+                                            const RenderPlan& settings, KernelCompiler& kernels, SceneOnDevice& shared,
+                                            const ProgressCallback& progress) {
   const auto finder = std::ranges::find_if(integrators(), &IntegratorKind::splats);
   const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
   if (const std::string problem = (*finder)->unfit ? (*finder)->unfit(settings, scene) : ""; !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
-  RenderSettings small = small_picture(settings, kLostLightSide, kLostLightSamples);
-  small.light_shares = shared.light_shares;
+  RenderPlan small = small_picture(settings, kLostLightSide, kLostLightSamples);
+  small.training.found = shared.light_shares;
   const PictureLight found = light_of(*render_whole(device, scene, view, small, progress, kernels, shared).film);
   small.integrator = *finder;
-  small.added_features = settings.added_features;
+  small.kernels.added = settings.kernels.added;
   small.aovs.clear(); // of which it cannot give all
   const PictureLight all = light_of(*render_whole(device, scene, view, small, progress, kernels, shared).film);
   if (!(all.sum > 0.0)) return LostLight{};

@@ -31,7 +31,7 @@ std::string unlit_bodies(const PackedScene& scene);
 // is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself. `progress`
 // may end it: then, where the other integrator cannot render the scene, and where the device fails, it throws Error.
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
-                                            const RenderSettings& settings, KernelCompiler& kernels,
-                                            SceneOnDevice& shared, const ProgressCallback& progress = {});
+                                            const RenderPlan& settings, KernelCompiler& kernels, SceneOnDevice& shared,
+                                            const ProgressCallback& progress = {});
 
 } // namespace wavepath

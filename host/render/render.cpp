@@ -5,13 +5,13 @@
 
 namespace wavepath {
 
-RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const ProgressCallback& progress) {
   KernelCompiler kernels(device);
   return render(device, scene, view, settings, RenderHooks{progress}, kernels);
 }
 
-RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared) {
   RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, shared ? shared->scene : nullptr);
   if (shared && !shared->scene) {

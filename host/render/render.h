@@ -5,7 +5,7 @@
 
 #include "host/render/loop/hooks.h"
 #include "host/render/loop/render_result.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -18,7 +18,7 @@ struct View; // host/scene/staging/view.h: the resolved camera
 // Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the
 // device, the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or
 // target_error ends it), nor on how often it was stopped and resumed.
-RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const ProgressCallback& progress = {});
 
 // A scene that several renders on one device share, pilots among them: the first one uploads it. The device outlives
@@ -31,7 +31,7 @@ struct SceneOnDevice {
 
 // The same with kernels that may have been begun before the scene was known. `shared`: null where no other render
 // shares the scene.
-RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared = nullptr);
 
 } // namespace wavepath

@@ -10,23 +10,23 @@
 
 namespace wavepath {
 
-RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longest_side, std::uint32_t samples) {
-  RenderSettings small = settings;
+RenderPlan small_picture(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples) {
+  RenderPlan small = settings;
   const std::uint32_t longest = std::max(settings.width, settings.height), side = std::min(longest_side, longest);
   small.width = std::max(1u, settings.width * side / longest);
   small.height = std::max(1u, settings.height * side / longest);
   small.first_sample = 0, small.last_sample = samples, small.sample_total = 0;
   small.time_limit = small.target_error = 0.0;
   small.adaptive = kAdaptiveOff;
-  small.light_pilot_paths = 0;
-  small.guide_iterations = std::min(small.guide_iterations, kGuideIterations);
+  small.training.paths = 0;
+  small.training.guide_iterations = std::min(small.training.guide_iterations, kGuideIterations);
   if (reuses_paths(settings)) small.quad_scale *= static_cast<double>(small.width) / settings.width;
-  small.room_for_whole_nets |= has_whole_nets(settings);
-  if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
+  small.kernels.whole_nets |= has_whole_nets(settings);
+  if (is_adaptive(settings)) small.kernels.added |= gpu::kFeatureAdaptive;
   return small;
 }
 
-RenderResult render_whole(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderResult render_whole(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                           const ProgressCallback& progress, KernelCompiler& kernels, SceneOnDevice& shared) {
   RenderResult result = render(device, scene, view, settings, RenderHooks{progress}, kernels, &shared);
   if (result.stop == StopReason::interrupted) throw Error("the small picture", "was interrupted", "let it end");

@@ -17,18 +17,18 @@ RayCounts minus(RayCounts a, const RayCounts& b) {
 
 } // namespace
 
-double paths_of(const RenderSettings& settings) {
+double paths_of(const RenderPlan& settings) {
   const std::uint32_t samples = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   return static_cast<double>(settings.width) * settings.height * samples;
 }
 
-double expected_paths(const RenderSettings& settings, bool cpu) {
+double expected_paths(const RenderPlan& settings, bool cpu) {
   const double asked = paths_of(settings);
   if (!(settings.time_limit > 0.0)) return asked;
   return std::min(asked, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
 }
 
-double steady_work(const RenderSettings& settings, const RenderResult& result, bool cpu) {
+double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu) {
   const std::size_t count = result.checkpoints.size();
   if (count < 2) return settings.integrator->work(settings, result.rays, cpu);
   return 2.0 * settings.integrator->work(settings, minus(result.rays, result.checkpoints[count - 2].rays), cpu);

@@ -7,14 +7,14 @@
 namespace wavepath {
 
 // Of the whole render: pixels times samples, also of one that renders a part of the samples and tells their total.
-double paths_of(const RenderSettings& settings);
+double paths_of(const RenderPlan& settings);
 
 // The same of a render that may be bounded by time; then from the type of the device alone, so that what is decided by
 // it depends on no clock.
-double expected_paths(const RenderSettings& settings, bool cpu);
+double expected_paths(const RenderPlan& settings, bool cpu);
 
 // What the samples of a trial took in camera rays (IntegratorKind::work), without what was learned before the first of
 // them: twice what its last half took.
-double steady_work(const RenderSettings& settings, const RenderResult& result, bool cpu);
+double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu);
 
 } // namespace wavepath

@@ -176,7 +176,7 @@ Measurement last_samples(const SelftestContext& context) {
   add_quad(scene, {-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, add_lambert(scene, glm::vec3(0.5f)));
   add_quad(scene, {-0.5f, 1, -0.5f}, {1, 0, 0}, {0, 0, 1}, add_lambert(scene, glm::vec3(0.5f), glm::vec3(1.0f)));
   look_at(scene, {0, 2, 4}, {0, 0, 0}, 0.6);
-  RenderSettings settings;
+  RenderPlan settings;
   settings.width = settings.height = 32;
   settings.sampler = gpu::kSamplerIndependent;
   std::vector<std::vector<float>> pictures;

@@ -75,7 +75,7 @@ Measurement sun_in_sky(const SelftestContext& context) {
   const double expected = kSunRadiance * solid_angle_of_disc * sun.y + pi * kSky;
   Studio studio(context);
   Worst worst;
-  const RenderSettings settings = square(16, context.full ? 4096 : 512, 1);
+  const RenderPlan settings = square(16, context.full ? 4096 : 512, 1);
   worst.add(studio.measure(scene, settings), expected / pi, 1e-3 * expected / pi, "in the sun");
 
   const glm::dvec3 aside = glm::normalize(glm::cross(sun, glm::dvec3(0, 1, 0))), over = glm::cross(aside, sun);

@@ -153,7 +153,7 @@ Measurement white_room(const SelftestContext& context) {
     std::uint32_t depth, samples;
   } trials[] = {{0.99, 1023, 32}, {0.999, 4095, 24}, {0.999, 127, 64}};
   for (const auto& trial : trials) {
-    RenderSettings settings = square(16, trial.samples * (context.full ? 32 : 1), trial.depth);
+    RenderPlan settings = square(16, trial.samples * (context.full ? 32 : 1), trial.depth);
     settings.direct = gpu::kDirectBsdf;
     const double albedo = static_cast<float>(trial.albedo), glow = static_cast<float>(1.0 - trial.albedo);
     const double expected = glow / (1.0 - albedo) * after_bounces(albedo, trial.depth);
@@ -164,7 +164,7 @@ Measurement white_room(const SelftestContext& context) {
 }
 
 Measurement depth_cap(const SelftestContext& context) {
-  RenderSettings settings = square(16, context.full ? 4096 : 256, 8);
+  RenderPlan settings = square(16, context.full ? 4096 : 256, 8);
   settings.direct = gpu::kDirectBsdf;
   Worst worst;
   worst.add(Studio(context).measure(glowing_box(0.9), settings), after_bounces(0.9, 8), 2e-6, "1 - 0.9^9");
@@ -173,7 +173,7 @@ Measurement depth_cap(const SelftestContext& context) {
 
 // Of the many ways to join two paths into one of so many bounces, the weights add up to 1.
 Measurement both_ends(const SelftestContext& context) {
-  RenderSettings settings = square(16, context.full ? 1024 : 32, 8);
+  RenderPlan settings = square(16, context.full ? 1024 : 32, 8);
   settings.integrator = find_integrator("bidirectional");
   Worst worst;
   worst.add(Studio(context).measure(glowing_box(0.9), settings), after_bounces(0.9, 8), 2e-6, "1 - 0.9^9");

@@ -90,7 +90,7 @@ Measurement total_reflection(const SelftestContext& context) {
   Worst worst;
   for (const double degrees : {41.80, 41.82}) {
     const double reflected = fresnel(std::cos(degrees * std::numbers::pi / 180.0), 1.0 / 1.5);
-    const RenderSettings settings = square(16, context.full ? 4096 : 256, 1);
+    const RenderPlan settings = square(16, context.full ? 4096 : 256, 1);
     const std::string label = fmt::format("{:.2f} degrees", degrees);
     // 1 - F has a root of infinite slope at the critical angle: the direction's last bit moves it by 1e-4 here.
     const double slack = reflected < 1.0 ? 2e-4 : 0.0;
@@ -124,7 +124,7 @@ Measurement glass_slab(const SelftestContext& context) {
   const double reflected = stack_reflectance(1.5, 2); // 0.076923
   Studio studio(context);
   Worst worst;
-  const RenderSettings settings = square(16, context.full ? 8192 : 256, 32);
+  const RenderPlan settings = square(16, context.full ? 8192 : 256, 32);
   worst.add(studio.measure(slabs(1.5f, 1, false), settings), reflected, kGlassRounding, "reflected");
   worst.add(studio.measure(slabs(1.5f, 1, true), settings), 1.0 - reflected, kGlassRounding, "transmitted");
   return worst.judge();

@@ -40,7 +40,7 @@ Scene closed_box(float half) {
 Measurement box_on_floor(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
-  const RenderSettings settings = square(context.full ? 64 : 32, context.full ? 64 : 16, 8);
+  const RenderPlan settings = square(context.full ? 64 : 32, context.full ? 64 : 16, 8);
   for (const double degrees : {0.0, 33.0})
     for (const float half : {0.5f, 1e2f, 1e4f, 1e7f}) {
       const Estimate leak = studio.measure(posed(closed_box(half), tilted(degrees)), settings, 1);
@@ -53,7 +53,7 @@ Measurement box_on_floor(const SelftestContext& context) {
 // Every pixel shows a ground of albedo 1/2 under a white sky: the light of one bounce is 1/2.
 void judge_ground(const SelftestContext& context, const Scene& scene, const std::string& label, double tolerance,
                   Studio& studio, Worst& worst) {
-  const RenderSettings settings = square(context.full ? 64 : 32, 4, 2);
+  const RenderPlan settings = square(context.full ? 64 : 32, 4, 2);
   const Estimate ground = studio.measure(scene, settings, 1);
   worst.add(ground.smallest, 0.5, tolerance, "darkest pixel of " + label);
   worst.add(ground.largest, 0.5, tolerance, "brightest pixel of " + label);

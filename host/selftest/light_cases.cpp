@@ -93,7 +93,7 @@ Measurement estimators_agree(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
   for (const auto& trial : trials) {
-    RenderSettings settings = square(16, context.full ? 1024 : 64, trial.depth);
+    RenderPlan settings = square(16, context.full ? 1024 : 64, trial.depth);
     const Estimate mis = studio.measure(trial.scene, settings);
     for (const std::uint32_t direct : {gpu::kDirectNee, gpu::kDirectBsdf}) {
       settings.direct = direct;
@@ -108,7 +108,7 @@ Measurement estimators_agree(const SelftestContext& context) {
 }
 
 // A receiver that sees no light but a small ceiling, which the sun lights from below, past the receiver's edge.
-Measurement indirect_light(const SelftestContext& context, const RenderSettings& settings) {
+Measurement indirect_light(const SelftestContext& context, const RenderPlan& settings) {
   const Triangles ceiling = disc({0, 1, 0}, 0.3f, 32);
   Scene scene;
   const std::uint32_t white = add_lambert(scene, glm::vec3(1.0f));
@@ -128,13 +128,13 @@ Measurement indirect_light(const SelftestContext& context, const RenderSettings&
 }
 
 Measurement guided_paths(const SelftestContext& context) {
-  RenderSettings settings = square(16, context.full ? 2048 : 128, 2);
+  RenderPlan settings = square(16, context.full ? 2048 : 128, 2);
   settings.guide = true;
   return indirect_light(context, settings);
 }
 
 Measurement shared_paths(const SelftestContext& context) {
-  RenderSettings settings = square(16, context.full ? 2048 : 128, 2);
+  RenderPlan settings = square(16, context.full ? 2048 : 128, 2);
   settings.reuse = kReuseOn;
   return indirect_light(context, settings);
 }

@@ -136,7 +136,7 @@ Scene noisy_scene() {
 
 // Look-ups of all textures of a noisy scene at the same places.
 std::vector<float> look_up_noise(const SelftestContext& context, std::uint32_t textures, bool by_color) {
-  RenderSettings settings;
+  RenderPlan settings;
   settings.textures = textures;
   Scene source = noisy_scene();
   TracedScene scene(context.device, context.kernels,
@@ -218,7 +218,7 @@ DimComparison compare_dim(const Picture& dim, const Picture& bright, double scal
 Measurement denormals(const SelftestContext& context) {
   constexpr float kUp = 0x1p100f;
   const auto trial = [&](const std::array<float, 3>& emission, float dark, std::uint32_t direct) {
-    RenderSettings settings;
+    RenderPlan settings;
     settings.width = settings.height = 32;
     settings.last_sample = 16;
     settings.direct = direct;

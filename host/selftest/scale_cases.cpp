@@ -33,7 +33,7 @@ Scene doubled(Scene scene, glm::dvec3 by) {
 
 // Many samples, so that a path which takes another turn at an edge, for the last bit of a coordinate, counts for
 // little.
-RenderSettings room_settings(const SelftestContext& context) { return square(16, context.full ? 1024 : 64, 3); }
+RenderPlan room_settings(const SelftestContext& context) { return square(16, context.full ? 1024 : 64, 3); }
 
 std::uint64_t differing_values(const Picture& a, const Picture& b) {
   std::uint64_t count = 0;
@@ -46,7 +46,7 @@ std::uint64_t differing_values(const Picture& a, const Picture& b) {
 // Powers of two change no mantissa, so not a bit of the picture; others round differently.
 Measurement scale(const SelftestContext& context) {
   const Scene room = builtin_scene();
-  const RenderSettings settings = room_settings(context);
+  const RenderPlan settings = room_settings(context);
   Studio studio(context);
   const Picture at_one = studio.render(room, settings).picture;
   Worst worst;
@@ -105,7 +105,7 @@ void add_planet(Scene& scene, double depth) {
 
 Measurement bolt_on_planet(const SelftestContext& context) {
   Studio studio(context);
-  const RenderSettings settings = square(32, context.full ? 1024 : 64, 3);
+  const RenderPlan settings = square(32, context.full ? 1024 : 64, 3);
   Scene scene = bolt();
   const Picture alone = studio.render(scene, settings).picture;
   add_planet(scene, 1.0);

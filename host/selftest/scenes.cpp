@@ -47,7 +47,7 @@ PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality
   return pack(scene, {.quality = quality});
 }
 
-RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings) {
+RenderResult render_scene(Device& device, Scene scene, const RenderPlan& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   return render(device, pack(scene, {.direct = settings.direct, .eye = view.position, .near = {view.position}}), view,
                 settings);

@@ -29,7 +29,7 @@ void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target, double yfov, glm::
 PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality quality = bvh::Quality::fast);
 
 // Packs and renders with the scene's first camera.
-RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings);
+RenderResult render_scene(Device& device, Scene scene, const RenderPlan& settings);
 
 // Mean over all pixels.
 double mean_of(const Picture& picture, int channel);

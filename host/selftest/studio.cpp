@@ -11,8 +11,8 @@
 
 namespace wavepath {
 
-RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth) {
-  RenderSettings settings;
+RenderPlan square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth) {
+  RenderPlan settings;
   settings.width = settings.height = size;
   settings.last_sample = samples;
   settings.max_depth = max_depth;
@@ -20,13 +20,13 @@ RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t m
   return settings;
 }
 
-RenderResult Studio::render(Scene scene, const RenderSettings& settings) {
+RenderResult Studio::render(Scene scene, const RenderPlan& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   const PackedScene packed = pack(scene, {.direct = settings.direct, .eye = view.position, .near = {view.position}});
   return wavepath::render(context_.device, packed, view, settings, {}, kernels_);
 }
 
-Estimate Studio::measure(const Scene& scene, RenderSettings settings, std::uint32_t seeds) {
+Estimate Studio::measure(const Scene& scene, RenderPlan settings, std::uint32_t seeds) {
   Scene copy = scene;
   const View view = resolve_view(copy, {}, settings.width, settings.height);
   const PackedScene packed = pack(copy, {.direct = settings.direct, .eye = view.position, .near = {view.position}});

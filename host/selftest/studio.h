@@ -12,7 +12,7 @@
 namespace wavepath {
 
 // Square pictures without a filter's overlap between pixels, so that pixels are independent.
-RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth);
+RenderPlan square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth);
 
 // What several renders that differ in nothing but the seed say about the red channel.
 struct Estimate {
@@ -29,10 +29,10 @@ public:
   explicit Studio(const SelftestContext& context) : context_(context), kernels_(context.device) {}
 
   // With the scene's first camera.
-  RenderResult render(Scene scene, const RenderSettings& settings);
+  RenderResult render(Scene scene, const RenderPlan& settings);
 
   // Seeds 1 to `seeds`; from two on there is a standard error.
-  Estimate measure(const Scene& scene, RenderSettings settings, std::uint32_t seeds = 4);
+  Estimate measure(const Scene& scene, RenderPlan settings, std::uint32_t seeds = 4);
 
 private:
   const SelftestContext& context_;

@@ -26,7 +26,7 @@ std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Bin
 
 const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, gpu::Feature features, std::uint32_t stack_size,
                                const BindingSet& bindings) {
-  KernelConfig config = kernel_config(features, stack_size, RenderSettings{});
+  KernelConfig config = kernel_config(features, stack_size, RenderPlan{});
   config.sort = gpu::kSortNone; // cases bind no room for it
   const auto key = std::tuple(spirv.data(), config.features, config.stack_size);
   if (const auto found = kernels_.find(key); found != kernels_.end()) return found->second;

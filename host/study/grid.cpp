@@ -18,12 +18,12 @@ std::vector<std::string_view> dimensions() {
 
 namespace {
 
-void apply(const Choice& choice, RenderSettings& settings) {
+void apply(const Choice& choice, RenderPlan& settings) {
   read_setting(setting_named(choice.dimension), std::string(choice.value), settings);
 }
 
 // Without the choices that the integrator does not take, or that mean nothing beside the others.
-Configuration reduced(const Configuration& full, const RenderSettings& base) {
+Configuration reduced(const Configuration& full, const RenderPlan& base) {
   Configuration result{{}, base};
   for (const Choice& choice : full.choices) {
     const IntegratorKind& kind = *full.settings.integrator;
@@ -69,7 +69,7 @@ std::string Configuration::flags() const {
   return fmt::format("{}", fmt::join(flags, " "));
 }
 
-std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderSettings& base) {
+std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderPlan& base) {
   std::vector<Configuration> product = {{{}, base}};
   for (const std::string& name : vary) {
     std::vector<Configuration> finer;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -19,7 +19,7 @@ struct Choice {
 
 struct Configuration {
   std::vector<Choice> choices;
-  RenderSettings settings;
+  RenderPlan settings;
 
   std::string name(std::string_view between = " ") const;      // "sobol mis", "hybrid 16 ao denoise"
   std::string flags() const;                                   // "--sampler sobol --direct mis"
@@ -31,6 +31,6 @@ std::string flag_of(const Choice& choice);
 
 // Every combination of the values of the dimensions named, which exist; naive ones first. Values that the integrator
 // does not take are left out of a configuration, so that none is there twice.
-std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderSettings& base);
+std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderPlan& base);
 
 } // namespace wavepath

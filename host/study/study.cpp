@@ -49,7 +49,7 @@ public:
       if (!fits(configuration)) continue;
       study_.series.push_back({configuration, {}, {}});
       varies_shadows_ |= !configuration.value_of("shadows").empty();
-      const RenderSettings& own = configuration.settings;
+      const RenderPlan& own = configuration.settings;
       if (own.integrator->traces_paths) continue;
       if (!rasterized) rasterized = &configuration;
       if (!hybrid && own.integrator->finds_light) hybrid = &configuration;
@@ -83,7 +83,7 @@ public:
 private:
   // Whether its integrator can render this scene so; otherwise the study says why not.
   bool fits(const Configuration& configuration) {
-    const RenderSettings& settings = configuration.settings;
+    const RenderPlan& settings = configuration.settings;
     const std::string why =
         settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed_for(settings)) : "";
     if (why.empty()) return true;
@@ -101,7 +101,7 @@ private:
   };
 
   Picture render_light(std::string_view technique, std::uint32_t octave, std::uint32_t rays) {
-    RenderSettings settings = shadowed_;
+    RenderPlan settings = shadowed_;
     settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, technique) - kShadowNames.begin());
     if (technique != "traced") { // a map of no consequence, whose shadows let all light pass
       settings.shadow_size = 64;
@@ -132,7 +132,7 @@ private:
   }
 
   // As the command that repeats it does (study_report.cpp).
-  RenderResult render_one(RenderSettings settings, KernelCompiler& kernels, const std::string& what) {
+  RenderResult render_one(RenderPlan settings, KernelCompiler& kernels, const std::string& what) {
     settings = as_told(settings);
     set_pilot_lengths(settings, device_.info().type == "cpu");
     const auto on_progress = [&](const Progress& progress) {
@@ -147,7 +147,7 @@ private:
 
   // The strongest of what there is, with as many samples as a short trial says that there is time for.
   StudyReference render_reference() {
-    RenderSettings settings = settings_.render;
+    RenderPlan settings = settings_.render;
     settings.sampler = gpu::kSamplerSobol;
     settings.direct = gpu::kDirectMis;
     settings.hemisphere = gpu::kHemisphereCosine;
@@ -158,7 +158,7 @@ private:
   }
 
   StudyReference render_occlusion() {
-    RenderSettings settings = settings_.render;
+    RenderPlan settings = settings_.render;
     settings.sampler = gpu::kSamplerSobol;
     settings.integrator = *std::ranges::find(integrators(), false, &IntegratorKind::finds_light);
     settings.ao_samples = 16;
@@ -170,7 +170,7 @@ private:
   }
 
   // `spp`: 0 = what a share of the budget allows.
-  StudyReference converge(RenderSettings settings, std::uint32_t spp, double share, KernelCompiler& kernels,
+  StudyReference converge(RenderPlan settings, std::uint32_t spp, double share, KernelCompiler& kernels,
                           const std::string& what) {
     settings.seed = settings_.render.seed ^ kReferenceSeed;
     settings.last_sample = spp > 0 ? spp : affordable_samples(settings, share * settings_.budget, kernels, what);
@@ -178,7 +178,7 @@ private:
     return {std::move(result.picture), "", estimated_error(result), settings.seed, result.spp, result.seconds};
   }
 
-  std::uint32_t affordable_samples(RenderSettings settings, double share, KernelCompiler& kernels,
+  std::uint32_t affordable_samples(RenderPlan settings, double share, KernelCompiler& kernels,
                                    const std::string& what) {
     constexpr double kTrial = 1.0 / 32.0; // of the share
     const double before = seconds_;
@@ -193,7 +193,7 @@ private:
   }
 
   // Milliseconds a frame that finding first hits takes, after a frame that warms up.
-  double frame_ms(RenderSettings settings) {
+  double frame_ms(RenderPlan settings) {
     const auto& wanted = settings.integrator->first_hit_stages;
     KernelCompiler kernels(device_);
     RenderResult result;
@@ -209,11 +209,11 @@ private:
   }
 
   // Paths that end at the first hit trace camera rays and nothing else.
-  FirstHits measure_first_hits(RenderSettings hybrid) {
+  FirstHits measure_first_hits(RenderPlan hybrid) {
     constexpr std::uint32_t kFrames = 16;
     hybrid.last_sample = kFrames;
     hybrid.first_hit = kFirstHitRaster;
-    RenderSettings traced = hybrid;
+    RenderPlan traced = hybrid;
     traced.integrator = &default_integrator();
     traced.denoise = kDenoiseOff;
     traced.max_depth = 0;
@@ -306,7 +306,7 @@ private:
 
   // The first render of a kernel also takes the time of what drivers postpone until then.
   void warm_up(const Series& series, KernelCompiler& kernels) {
-    RenderSettings settings = series.configuration.settings;
+    RenderPlan settings = series.configuration.settings;
     settings.last_sample = 1;
     if (scores_shadows(series)) add_signals(settings);
     render_one(settings, kernels, series.configuration.name());
@@ -314,7 +314,7 @@ private:
 
   // Every point has a seed of its own: their errors are then independent, as the interval of a slope supposes.
   void measure(Series& series, std::uint32_t octave, KernelCompiler& kernels) {
-    RenderSettings settings = series.configuration.settings;
+    RenderPlan settings = series.configuration.settings;
     settings.last_sample = 1u << octave;
     settings.seed = settings_.render.seed + octave;
     if (scores_shadows(series)) add_signals(settings);
@@ -359,13 +359,13 @@ private:
 
   bool scores_shadows(const Series& series) const { return varies_shadows_ && !series.shows_occlusion(); }
 
-  static void add_signals(RenderSettings& settings) {
+  static void add_signals(RenderPlan& settings) {
     settings.aovs = {"direct"};
     if (!settings.integrator->aovs.empty()) settings.aovs.emplace_back("ao");
   }
 
   // Returns where shadows are false, if the grid varies them.
-  std::optional<Picture> measure_signals(const Picture& picture, const RenderSettings& settings, StudyPoint& point) {
+  std::optional<Picture> measure_signals(const Picture& picture, const RenderPlan& settings, StudyPoint& point) {
     if (study_.interrupted) return std::nullopt;
     const Picture& reference = study_.reference.picture;
     point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});
@@ -400,7 +400,7 @@ private:
   bool varies_shadows_ = false;
   double reference_share_ = 0.0;
   // Where shadows are varied: a configuration that has some, and by octave the light with true ones and without any.
-  RenderSettings shadowed_;
+  RenderPlan shadowed_;
   std::map<std::uint32_t, PointLight> true_light_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Picture> unshadowed_; // and by rays to lights
   KernelCompiler light_kernels_{device_};

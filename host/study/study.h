@@ -30,7 +30,7 @@ inline constexpr double kOcclusionShare = 0.1;
 inline constexpr double kFloor = 3.0;
 
 struct StudySettings {
-  RenderSettings render; // what all configurations have in common
+  RenderPlan render; // what all configurations have in common
   std::vector<std::string> vary;
   double budget = 60.0;            // seconds of rendering in all
   std::uint32_t reference_spp = 0; // 0 = what fits into its share of the budget
@@ -40,13 +40,13 @@ struct StudySettings {
 struct StudyScene {
   // kDirect... and kTextures... constants.
   using Key = std::pair<std::uint32_t, std::uint32_t>;
-  static Key key_of(const RenderSettings& settings) { return {direct_of(settings), settings.textures}; }
+  static Key key_of(const RenderPlan& settings) { return {direct_of(settings), settings.textures}; }
 
   std::map<Key, PackedScene> packed;
   View view;
 
   // For settings of the grid, or for its common ones.
-  const PackedScene& packed_for(const RenderSettings& settings) const { return packed.at(key_of(settings)); }
+  const PackedScene& packed_for(const RenderPlan& settings) const { return packed.at(key_of(settings)); }
 };
 
 struct StudyReference {

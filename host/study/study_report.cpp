@@ -11,8 +11,8 @@
 #include "host/base/error.h"
 #include "host/base/failure.h"
 #include "host/base/shell_quote.h"
-#include "host/plan/plan.h"
 #include "host/picture/files/picture_io.h"
+#include "host/plan/plan.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/settings_table.h"
 #include "host/study/study_pictures.h"
@@ -46,8 +46,8 @@ std::string frame_flags(const StudyRecord& record) {
 }
 
 // What `render` would else find out by pilots: a study renders as told.
-std::string told_flags(const RenderSettings& settings, const Configuration* varied) {
-  const RenderSettings told = as_told(settings);
+std::string told_flags(const RenderPlan& settings, const Configuration* varied) {
+  const RenderPlan told = as_told(settings);
   std::string flags;
   for (const char* name : {"integrator", "sky-samples", "reuse", "adaptive"}) {
     const Setting& row = setting_named(name);
@@ -62,19 +62,18 @@ std::string point_command(const StudyRecord& record, const Series& series, const
   const bool path = configuration.settings.integrator->traces_paths;
   const bool has_samples =
       !configuration.value_of("shadows").empty() && configuration.value_of("shadow-samples").empty();
-  return fmt::format("{}{} {}{}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
-                     told_flags(configuration.settings, &configuration), configuration.flags(),
-                     path ? "" : frame_flags(record),
-                     has_samples ? fmt::format(" --shadow-samples {}", configuration.settings.shadow_samples) : "",
-                     point.seed, point.spp,
-                     shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
-                     configuration.name("-"), point.spp);
+  return fmt::format(
+      "{}{} {}{}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+      told_flags(configuration.settings, &configuration), configuration.flags(), path ? "" : frame_flags(record),
+      has_samples ? fmt::format(" --shadow-samples {}", configuration.settings.shadow_samples) : "", point.seed,
+      point.spp, shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
+      configuration.name("-"), point.spp);
 }
 
 std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
-  RenderSettings settings = record.settings.render;
+  RenderPlan settings = record.settings.render;
   settings.integrator = &default_integrator();
   return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{} --seed {} --spp {} -o {}", record.repeat,
                      told_flags(settings, nullptr), record.study.occlusion ? " --aov direct" : "", reference.seed,
@@ -260,7 +259,7 @@ void write_reference(const StudyRecord& record, const StudyReference& reference,
 
 Json study_document(const StudyRecord& record) {
   const Study& study = record.study;
-  const RenderSettings& settings = record.settings.render;
+  const RenderPlan& settings = record.settings.render;
   const EqualTime table = equal_time(study);
   const StudyPictures pictures = plan_pictures(study);
   Json series = Json::array();

@@ -127,12 +127,12 @@ bool is_shown(const Setting& row, const IntegratorKind& kind) {
 }
 
 // The widget of a setting, by the kind of its value. True if it was changed.
-bool widget(const Setting& row, RenderSettings& settings) {
+bool widget(const Setting& row, RenderPlan& settings) {
   if (const auto* kind = std::get_if<ChoiceValue>(&row.value); kind && !kind->bare.empty()) {
     bool on = settings.*kind->member != 0;
     label(row.label);
     if (!ImGui::Checkbox(fmt::format("##{}", row.label).c_str(), &on)) return false;
-    read_setting(row, on ? std::string(kind->bare) : text_of(row, RenderSettings{}), settings);
+    read_setting(row, on ? std::string(kind->bare) : text_of(row, RenderPlan{}), settings);
     return true;
   }
   if (const std::vector<std::string_view> names = choices_of(row); !names.empty()) {
@@ -149,18 +149,19 @@ bool widget(const Setting& row, RenderSettings& settings) {
   }
   label(row.label);
   if (const auto* number = std::get_if<NumberValue>(&row.value)) {
-    double value = settings.*number->member;
+    double& kept = number->in(settings);
+    double value = kept;
     if (!ImGui::InputDouble(fmt::format("##{}", row.label).c_str(), &value, 0.0, 0.0, "%.4g",
                             ImGuiInputTextFlags_EnterReturnsTrue))
       return false;
-    settings.*number->member = std::clamp(value, number->lowest, number->highest);
+    kept = std::clamp(value, number->lowest, number->highest);
     return true;
   }
   return ImGui::Checkbox(fmt::format("##{}", row.label).c_str(), &(settings.*std::get<SwitchValue>(row.value).member));
 }
 
 void show_transport(PanelState& state, PanelWishes& wishes) {
-  RenderSettings& settings = state.settings;
+  RenderPlan& settings = state.settings;
   const std::uint32_t planned = settings.sample_total;
   for (const Setting& row : settings_table())
     if (is_shown(row, *settings.integrator)) wishes.settings |= widget(row, settings);

@@ -16,7 +16,7 @@ namespace wavepath {
 // What the widgets change.
 struct PanelState {
   bool visible = true;
-  RenderSettings settings;
+  RenderPlan settings;
   DisplayOptions display;
   EnvironmentChoice environment;
   ComparisonChoice comparison;

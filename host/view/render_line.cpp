@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderSettings& settings,
+std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderPlan& settings,
                         const DisplayOptions& display, const std::string& more) {
   std::string line =
       fmt::format("wavepath render {}{}{}", shell_quoted(scene), camera_flags(camera), flags_of(settings));

@@ -11,7 +11,7 @@ namespace wavepath {
 
 // `wavepath render` with the camera, all settings that decide the picture, and `more` flags. All samples planned are
 // asked for.
-std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderSettings& settings,
+std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderPlan& settings,
                         const DisplayOptions& display, const std::string& more);
 
 } // namespace wavepath

@@ -272,8 +272,8 @@ void Viewer::focus() {
   const bool passes_backs = panel_.settings.cull != gpu::kCullNone;
   const auto point = pick(*request_.packed, camera_.view(), place, glm::dvec2(window_.size()), passes_backs);
   if (!point || !camera_.focus(*point)) return;
-  if (panel_.settings.focus) { // else the lens follows what the middle of the picture shows, which this is now
-    panel_.settings.focus = depth_of(camera_.view(), *point);
+  if (panel_.settings.lens.focus) { // else the lens follows what the middle of the picture shows, which this is now
+    panel_.settings.lens.focus = depth_of(camera_.view(), *point);
     take_settings();
   }
   move_camera();
@@ -283,14 +283,14 @@ void Viewer::focus() {
 // for.
 bool Viewer::resizing() const {
   const glm::uvec2 size = window_.size();
-  const RenderSettings& settings = progressive_.settings();
+  const RenderPlan& settings = progressive_.settings();
   return !scripted() && size.x > 0 && size != refused_ && (size.x != settings.width || size.y != settings.height);
 }
 
 // The picture follows the window once its edges have come to rest.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
-  const RenderSettings& settings = progressive_.settings();
+  const RenderPlan& settings = progressive_.settings();
   if (!resizing()) {
     resized_ = -1.0;
     return;
@@ -312,7 +312,7 @@ void Viewer::move_camera() {
 }
 
 void Viewer::take_settings() {
-  const RenderSettings before = progressive_.settings();
+  const RenderPlan before = progressive_.settings();
   judged_spp_ = 0;
   try {
     progressive_.set_settings(panel_.settings, camera_.view());

@@ -32,7 +32,7 @@ struct WindowRequest {
   std::uint32_t frames = 0; // samples a pixel after which the window closes (scripted); 0 = when the user closes it
   std::string screenshot;   // file that a scripted window writes at its end; empty = none
   // What in a picture of these settings is approximated.
-  std::function<std::vector<std::string>(const RenderSettings&)> notes;
+  std::function<std::vector<std::string>(const RenderPlan&)> notes;
   // Writes a picture of the render as it is now. Throws Error.
   std::function<void(const std::string& path, const Picture&, const DisplayOptions&)> save;
   // Hands `progressive` another environment. Throws Error; then everything is as it was. Empty: it stays as it is.

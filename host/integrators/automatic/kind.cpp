@@ -13,15 +13,15 @@ constexpr std::array<std::string_view, 12> kSettings = {"adaptive",    "hemisphe
                                                         "sky-samples", "reuse",      "aperture", "focus",
                                                         "blades",      "shutter",    "denoise",  "terminator"};
 
-std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
-  RenderSettings path = settings;
+std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene& scene) {
+  RenderPlan path = settings;
   path.integrator = &kPath;
-  RenderSettings guided = path;
+  RenderPlan guided = path;
   guided.guide = true;
-  RenderSettings bidirectional = settings;
+  RenderPlan bidirectional = settings;
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
-  std::vector<RenderSettings> all = {path, guided};
+  std::vector<RenderPlan> all = {path, guided};
   const bool asks_for_path = settings.adaptive == kAdaptiveOn;
   if (!asks_for_path && settings.aovs.empty() && !settings.moving && settings.terminator == gpu::kTerminatorFacets &&
       !(scene.features & kBidirectionalLacks))

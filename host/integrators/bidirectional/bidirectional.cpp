@@ -118,7 +118,7 @@ std::vector<Binding> layout() {
 }
 
 // Vertices that can be connected to: the last surface of a path is reached from the camera's side.
-std::uint32_t stored_vertices(const RenderSettings& settings) {
+std::uint32_t stored_vertices(const RenderPlan& settings) {
   return settings.techniques & gpu::kTechniqueConnect && settings.max_depth > 0 ? settings.max_depth - 1 : 0;
 }
 
@@ -136,11 +136,11 @@ gpu::BidirectionalFrame make_frame(const PackedScene& scene, const gpu::Frame& f
 
 } // namespace
 
-std::uint64_t light_vertex_bytes_per_slot(const RenderSettings& settings) {
+std::uint64_t light_vertex_bytes_per_slot(const RenderPlan& settings) {
   return stored_vertices(settings) * sizeof(gpu::LightVertex);
 }
 
-std::uint64_t light_bytes_per_slot(const RenderSettings& settings, bool merges) {
+std::uint64_t light_bytes_per_slot(const RenderPlan& settings, bool merges) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules) {
     const auto of = [&](std::uint64_t slots) {
@@ -162,7 +162,7 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
       delta_surfaces_(find_delta_surfaces(workspace.scene)),
       lamps_in_bodies_(lamps_in_bodies(workspace.scene)) {}
 
-void Bidirectional::change(const View& view, const RenderSettings& settings, Past) {
+void Bidirectional::change(const View& view, const RenderPlan& settings, Past) {
   const PackedScene& scene = workspace_.scene;
   refuse_lobes(scene, kBidirectionalLacks, "bidirectional");
   need_ = {&kBidirectionalProgram, kBidirectionalStages,

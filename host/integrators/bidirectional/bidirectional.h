@@ -19,7 +19,7 @@ class Bidirectional : public Integrator {
 public:
   Bidirectional(Workspace& workspace, KernelCompiler& kernels);
 
-  void change(const View& view, const RenderSettings& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t most_samples(std::uint32_t first_sample) const override;
@@ -64,7 +64,7 @@ inline constexpr std::uint32_t kBidirectionalStages = 0x7f; // all
 inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade, kEscape, kReuse});
 
 // Bytes of light vertices and connections that a slot takes. `merges`: where there are photons.
-std::uint64_t light_bytes_per_slot(const RenderSettings& settings, bool merges);
-std::uint64_t light_vertex_bytes_per_slot(const RenderSettings& settings);
+std::uint64_t light_bytes_per_slot(const RenderPlan& settings, bool merges);
+std::uint64_t light_vertex_bytes_per_slot(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "lights", "
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderPlan& settings) {
   // Packing alone tells whether many lights are in many places. A wrong guess, as of a lamp of many triangles, would
   // cost 1.6 of 5.5 user seconds (showcase, 192x108, 12 samples, llvmpipe); waiting costs what packing takes.
   if (settings.lights == gpu::kLightsAuto && walks_light_tree(settings) && features & gpu::kFeatureLightTree) return;
@@ -30,11 +30,11 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature feat
 }
 
 // Merging converges to the light of all paths, as its radius shrinks to nothing.
-bool is_biased(const RenderSettings& settings) {
+bool is_biased(const RenderPlan& settings) {
   return (settings.techniques | gpu::kTechniqueMerge) != gpu::kTechniquesAll;
 }
 
-std::vector<std::string> bias(const RenderSettings& settings, const RenderResult& result) {
+std::vector<std::string> bias(const RenderPlan& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
   if (result.merging)
@@ -46,7 +46,7 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
   return bias;
 }
 
-std::vector<OmittedStage> omitted(const RenderSettings& settings) {
+std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = {{"path kernel shade", "its own kernels shade camera paths and light paths"}};
   if (!asks_for_photons(settings))
     omitted.push_back({"photons, their map and its kernels", "--techniques or --max-depth leaves out merging"});
@@ -54,7 +54,7 @@ std::vector<OmittedStage> omitted(const RenderSettings& settings) {
 }
 
 // 1.0 to 1.95 times what path tracing takes for as many rays (eleven scenes of benchmarks/light_table.py; llvmpipe).
-double work(const RenderSettings&, const RayCounts& rays, bool) {
+double work(const RenderPlan&, const RayCounts& rays, bool) {
   return 1.5 * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
 }
 
@@ -70,32 +70,32 @@ constinit const IntegratorKind kBidirectional = {
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
-    .unfit = [](const RenderSettings&, const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
+    .unfit = [](const RenderPlan&, const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](gpu::Feature features, const RenderSettings& settings) {
+        [](gpu::Feature features, const RenderPlan& settings) {
           if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
           return bytes_per_path(features, kRoomForShadowRays) +
                  light_bytes_per_slot(settings, asks_for_photons(settings));
         },
     .largest_record =
-        [](const RenderSettings& settings) {
+        [](const RenderPlan& settings) {
           return std::max<std::uint64_t>(light_vertex_bytes_per_slot(settings), sizeof(gpu::PathAovs));
         },
-    .slot_items = [](gpu::Feature, const RenderSettings& settings) -> std::vector<MemoryItem> {
+    .slot_items = [](gpu::Feature, const RenderPlan& settings) -> std::vector<MemoryItem> {
       return {{"light vertices", light_vertex_bytes_per_slot(settings)}};
     },
-    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
-    .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .items = [](const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) -> std::vector<MemoryItem> {
+    .slots_per_pixel = [](const RenderPlan&) { return 1u; },
+    .bytes_per_pixel = [](const RenderPlan&) { return std::uint64_t{0}; },
+    .items = [](const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features) -> std::vector<MemoryItem> {
       const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
       return {{"photons", may_have_photons(settings, scene, features) ? plan_photons(pixels).bytes() : 0}};
     },
     .is_biased = is_biased,
     .bias = bias,
     .omitted = omitted,
-    .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
+    .stats = [](const RenderPlan&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<Bidirectional>(workspace, kernels);
     },

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/scene/pack/packed_scene.h"
 #include "host/scene/pack/plan.h"
 
@@ -50,11 +50,11 @@ DeltaSurfaces find_delta_surfaces(const PackedScene& scene) {
   return found;
 }
 
-bool asks_for_photons(const RenderSettings& settings) {
+bool asks_for_photons(const RenderPlan& settings) {
   return (settings.techniques & gpu::kTechniqueMerge) != 0 && settings.max_depth >= kLeastBounces;
 }
 
-bool may_have_photons(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) {
+bool may_have_photons(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features) {
   constexpr gpu::Feature kLights = gpu::kFeatureTriangleLights | gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment;
   return asks_for_photons(settings) && scene.smooth_surfaces && !(features & gpu::kLobeCoat) && (features & kLights);
 }

@@ -14,7 +14,7 @@ namespace wavepath {
 
 struct PackedScene;
 struct ScenePlan;
-struct RenderSettings;
+struct RenderPlan;
 
 // Surfaces with a lobe of one direction: smooth metal, smooth glass, what is coated.
 struct DeltaSurfaces {
@@ -24,9 +24,9 @@ struct DeltaSurfaces {
 DeltaSurfaces find_delta_surfaces(const PackedScene& scene);
 
 // Whether settings ask for photons, wherever a scene has use for them.
-bool asks_for_photons(const RenderSettings& settings);
+bool asks_for_photons(const RenderPlan& settings);
 // Whether a scene of these kFeature bits may have use for them: what is found before it is packed.
-bool may_have_photons(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features);
+bool may_have_photons(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features);
 
 // Samples in blocks of a power of two share a map for each replicate, so that as many light paths are traced for
 // photons as there are samples, but not above a bound. All of it is a function of the picture's size.

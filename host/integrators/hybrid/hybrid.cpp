@@ -92,19 +92,19 @@ std::vector<Binding> hybrid_layout() {
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
 // How surfaces are seen through, where the scene has such.
-std::uint32_t transparency_flags(const RenderSettings& settings, const PackedScene& scene) {
+std::uint32_t transparency_flags(const RenderPlan& settings, const PackedScene& scene) {
   const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
   if (!kind) return 0;
   return std::ranges::any_of(scene.materials, kind->layers ? kind->layers->holds : is_blended) ? kind->flag : 0;
 }
 
 // Over time, for smooth edges.
-bool joins_frames(const RenderSettings& settings) {
+bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || antialias_kind(settings).over_time;
 }
 
 // What follows from the settings alone.
-std::uint32_t frame_flags(const RenderSettings& settings) {
+std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = antialias_kind(settings).shares_shading && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
@@ -113,13 +113,13 @@ std::uint32_t frame_flags(const RenderSettings& settings) {
 
 // By rays, in the pilot or in frames. How enclosed a place is beyond the picture and a radius, which the ambient
 // radiance follows from, rays alone can tell; so it is the same for all techniques.
-bool traces_occlusion(const RenderSettings& settings) {
+bool traces_occlusion(const RenderPlan& settings) {
   const std::uint32_t flags = frame_flags(settings);
   return flags & gpu::kHybridAmbient &&
          (settings.occlusion == kOcclusionTraced || (flags & gpu::kHybridLights && !settings.ambient));
 }
 
-std::uint32_t stages_of(const RenderSettings& settings) {
+std::uint32_t stages_of(const RenderPlan& settings) {
   const std::uint32_t flags = frame_flags(settings);
   std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
   if (traces_occlusion(settings)) stages |= 1u << kOcclusion;
@@ -134,7 +134,7 @@ float ray_length(double radius) {
 
 // Of a pixel, at a distance of one metre where there is a perspective. Cones are narrower than pixels, as trilinear
 // look-ups blur more than a box: Sponza's relMSE is within 1 % of that of full width, and ornaments keep their lines.
-float cone_width(const View& view, const RenderSettings& settings) {
+float cone_width(const View& view, const RenderPlan& settings) {
   constexpr double kShare = 0.7;
   return static_cast<float>(kShare * 2.0 * glm::length(view.right) / settings.width);
 }
@@ -142,15 +142,15 @@ float cone_width(const View& view, const RenderSettings& settings) {
 } // namespace
 
 // Light beyond the direct one is wanted where paths would be longer than it.
-bool has_ambient(const RenderSettings& settings) { return !settings.integrator->finds_light || settings.max_depth > 1; }
+bool has_ambient(const RenderPlan& settings) { return !settings.integrator->finds_light || settings.max_depth > 1; }
 
-bool rasterizes_first_hits(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device) {
+bool rasterizes_first_hits(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device) {
   if (settings.first_hit != kFirstHitAuto) return settings.first_hit == kFirstHitRaster;
   const std::uint64_t rays = std::uint64_t{settings.width} * settings.height;
   return device.rasterizes && !device.draws_slowly && (device.type != "cpu" || triangles <= rays);
 }
 
-KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config) {
+KernelNeed hybrid_need(const RenderPlan& settings, const KernelConfig& config) {
   KernelNeed need{&kHybridProgram, stages_of(settings), config};
   if (!settings.aovs.empty()) need.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   return need;
@@ -165,13 +165,13 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
 
 Hybrid::~Hybrid() = default;
 
-void Hybrid::change(const View& view, const RenderSettings& settings, Past past) {
+void Hybrid::change(const View& view, const RenderPlan& settings, Past past) {
   settings_ = settings;
   make_frame(view, settings, past);
   make_room(view, past);
 }
 
-void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past past) {
+void Hybrid::make_frame(const View& view, const RenderPlan& settings, Past past) {
   const PackedScene& scene = workspace_.scene;
   const glm::vec3 ambient = past == Past::keep ? frame_.ambient : glm::vec3(0.0f);
   knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);

@@ -28,14 +28,14 @@ class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
 // Whether frames have light beyond the direct one, or are nothing but occlusion.
-bool has_ambient(const RenderSettings& settings);
+bool has_ambient(const RenderPlan& settings);
 
 // How first hits are found where nothing else decides it: what takes this device less time. A CPU driver takes half a
 // microsecond and more for a triangle that it draws, wherever that is, and a tenth to a third for a ray.
-bool rasterizes_first_hits(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device);
+bool rasterizes_first_hits(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device);
 
 // The kernels of frames under these settings, those of light left out, in the configuration that paths have.
-KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config);
+KernelNeed hybrid_need(const RenderPlan& settings, const KernelConfig& config);
 
 class Hybrid : public Integrator {
 public:
@@ -44,7 +44,7 @@ public:
 
   // With Past::keep the ambient radiance stays what it was, and filters over time still know the frames before if their
   // size is the same; what comes out then depends on them. Throws Error if the device cannot rasterize.
-  void change(const View& view, const RenderSettings& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
 
@@ -70,7 +70,7 @@ private:
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
-  void make_frame(const View& view, const RenderSettings& settings, Past past);
+  void make_frame(const View& view, const RenderPlan& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
@@ -89,7 +89,7 @@ private:
   KernelCompiler& kernels_;
   Paths paths_;
   BufferSet buffers_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   gpu::CameraView camera_;
   gpu::HybridFrame frame_{};
   bool rasterizes_ = true;     // otherwise frames are traced
@@ -103,7 +103,7 @@ private:
   std::unique_ptr<FrameFilter> frame_filter_;
   FrameTimes antialias_times_;
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
-  std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
+  std::uint32_t shadows_made_for_ = 0;       // RenderPlan::shadows
   ShadowTimes shadow_times_;
   std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
   bool piloting_ = false;                           // until learn()

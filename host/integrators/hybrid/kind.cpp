@@ -76,10 +76,10 @@ constexpr std::array<std::string_view, 3> kEvaluated = {
 constexpr const char* kFilterBias = "direct light and occlusion are filtered over space and time (--denoise)";
 
 // AOVs come from the G-buffer, not from the path tracer's kernels.
-gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
+gpu::Feature features(const RenderPlan&) { return gpu::kFeatureSharedFirstHit; }
 
 // Kernels of light, and of the techniques that stand for a part of it.
-void start_lighting_kernels(KernelCompiler& kernels, const RenderSettings& settings, const KernelConfig& config) {
+void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings, const KernelConfig& config) {
   const ShadingKind* shading = shading_kind(settings);
   kernels.start({&kPathProgram, shading ? kLocalPathStages : kLightingStages, config});
   if (shading) kernels.start(whole_need(*shading->program, config));
@@ -88,7 +88,7 @@ void start_lighting_kernels(KernelCompiler& kernels, const RenderSettings& setti
 
 // Those that draw, trace first hits or filter frames are made with their buffers.
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
-                   const RenderSettings& settings) {
+                   const RenderPlan& settings) {
   const auto start = [&](gpu::Feature bits) {
     const KernelConfig config = kernel_config(bits, kExpectedStack, settings);
     const KernelNeed frame = hybrid_need(settings, config);
@@ -102,24 +102,24 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
   if (generic_first(device)) start(generic_features(features));
 }
 
-std::uint64_t layer_bytes(const RenderSettings& settings) {
+std::uint64_t layer_bytes(const RenderPlan& settings) {
   const TransparencyKind* kind = transparency_kind(settings);
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
-std::uint64_t place_bytes(const RenderSettings& settings) {
+std::uint64_t place_bytes(const RenderPlan& settings) {
   return antialias_kind(settings).shares_shading ? gpu::kSharingPlaces * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
                                                  : 0;
 }
 
-std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
+std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
          place_bytes(settings);
 }
 
-void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   const ShadingKind* shading = shading_kind(settings);
   if (!shading) return;
   bias.push_back(fmt::format("surfaces reflect by {}, {}, in the place of their glTF materials (--shading {})",
@@ -132,7 +132,7 @@ void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& 
                                settings.depth_cue->x, settings.depth_cue->y));
 }
 
-void add_transparency_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   const TransparencyKind* kind = transparency_kind(settings);
   if (!kind) return;
   bias.push_back(fmt::format("{} are {} (--transparency {})", kind->subject, kind->summary, kind->name));
@@ -147,7 +147,7 @@ void add_transparency_bias(const RenderSettings& settings, std::vector<std::stri
 }
 
 // Of the frame, whatever it shows.
-void add_common_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
   if (const AntialiasKind& antialias = antialias_kind(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
@@ -158,7 +158,7 @@ void add_common_bias(const RenderSettings& settings, std::vector<std::string>& b
                     occlusion->summary, occlusion->name));
 }
 
-std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
+std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   if (settings.max_depth <= 1)
     bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
@@ -183,7 +183,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
 
 Json cost_json(const FrameCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
 
-Json shadow_json(const RenderSettings& settings, const std::optional<ShadowReport>& shadows) {
+Json shadow_json(const RenderPlan& settings, const std::optional<ShadowReport>& shadows) {
   if (!shadows) return nullptr;
   Json json = {{"technique", shadow_kind(settings)->name},
                {"covered", shadows->covered},
@@ -201,36 +201,36 @@ Json shadow_json(const RenderSettings& settings, const std::optional<ShadowRepor
   return json;
 }
 
-Json occlusion_json(const RenderSettings& settings, const std::optional<OcclusionReport>& occlusion) {
+Json occlusion_json(const RenderPlan& settings, const std::optional<OcclusionReport>& occlusion) {
   if (!occlusion) return nullptr;
   return {{"technique", occlusion_kind(settings)->name}, {"ms", cost_json(occlusion->cost)}};
 }
 
-Json antialias_json(const RenderSettings& settings, const std::optional<FrameCost>& cost) {
+Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& cost) {
   return {{"technique", antialias_kind(settings).name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
 
-void check_frame_settings(const RenderSettings& settings) {
+void check_frame_settings(const RenderPlan& settings) {
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
 }
 
-bool has_biased_frames(const RenderSettings& settings) {
+bool has_biased_frames(const RenderPlan& settings) {
   return settings.denoise != kDenoiseOff || occlusion_kind(settings) || antialias_kind(settings).is_biased;
 }
 
-std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
+std::string unfit_shadows(const RenderPlan& settings, const PackedScene& scene) {
   const ShadowKind* shadows = shadow_kind(settings);
   return shadows ? unfit(*shadows, scene) : "";
 }
 
-std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
+std::vector<std::string> ao_bias(const RenderPlan& settings, const RenderResult&) {
   std::vector<std::string> bias;
   add_common_bias(settings, bias);
   return bias;
 }
 
-std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
+std::vector<OmittedStage> always_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with all first hits and end with composite"}};
   if (const OcclusionKind* occlusion = occlusion_kind(settings))
@@ -241,7 +241,7 @@ std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
   return omitted;
 }
 
-std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
+std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
   if (shading_kind(settings))
@@ -250,13 +250,13 @@ std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
   return omitted;
 }
 
-std::vector<OmittedStage> ao_omitted(const RenderSettings& settings) {
+std::vector<OmittedStage> ao_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   omitted.push_back({"path kernels shade, connect and extend", "occlusion needs no light"});
   return omitted;
 }
 
-Json stats(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result) {
+Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result) {
   return {{"first_hit", kFirstHitNames[settings.first_hit]},
           {"shadow_samples", settings.shadow_samples},
           {"ao_samples", settings.ao_samples},
@@ -270,14 +270,14 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"antialias", antialias_json(settings, result.antialias)}};
 }
 
-void check(const RenderSettings& settings) {
+void check(const RenderPlan& settings) {
   check_shadow_settings(settings);
   check_frame_settings(settings);
   check_shading_settings(settings);
   check_transparency_settings(settings);
 }
 
-bool means(const RenderSettings& settings, std::string_view setting) {
+bool means(const RenderPlan& settings, std::string_view setting) {
   return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting) &&
          takes_shading_setting(settings, setting) && takes_transparency_setting(settings, setting);
 }
@@ -301,12 +301,12 @@ constinit const IntegratorKind kHybrid = {
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
-                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = [](const RenderSettings&) { return kMostShadowRayBytes; }, // a window may turn to `path`
-    .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
+                         const RenderPlan&) { return bytes_per_path(features, kRoomForShadowRays); },
+    .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
+    .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
-        [](const RenderSettings& settings) {
+        [](const RenderPlan& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
                  shadow_kind(settings) || shading_kind(settings) || transparency_kind(settings);
         },
@@ -330,9 +330,9 @@ constinit const IntegratorKind kAo = {
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
-                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = [](const RenderSettings&) { return kMostShadowRayBytes; }, // a window may turn to `path`
-    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
+                         const RenderPlan&) { return bytes_per_path(features, kRoomForShadowRays); },
+    .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
+    .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = has_biased_frames,
     .bias = ao_bias,

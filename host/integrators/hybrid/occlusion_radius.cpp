@@ -6,7 +6,7 @@
 
 namespace wavepath {
 
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
+double occlusion_radius(const PackedScene& scene, const RenderPlan& settings) {
   const bool limited = settings.integrator->finds_light || settings.occlusion != kOcclusionTraced;
   return settings.ao_radius.value_or(limited ? 0.1 * scene.radius : 0.0);
 }

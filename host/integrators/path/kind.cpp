@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 15> kSettings = {
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
-                   const RenderSettings& settings) {
+                   const RenderPlan& settings) {
   const KernelConfig specialized = kernel_config(features, kExpectedStack, settings);
   kernels.start(path_need(kPathProgram, kAllPathStages, specialized));
   if (!generic_first(device)) return;
@@ -35,7 +35,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
   kernels.start(path_need(kPathProgram, kAllPathStages, generic));
 }
 
-void check(const RenderSettings& settings) {
+void check(const RenderPlan& settings) {
   if (settings.reuse != kReuseOn) return;
   if (settings.guide)
     throw UsageError("--reuse", "weighs paths by the BSDF's density, not by that of a guiding field",
@@ -44,15 +44,15 @@ void check(const RenderSettings& settings) {
     throw UsageError("--reuse", "weighs diffuse directions by the cosine", "leave out --hemisphere uniform or --reuse");
 }
 
-std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
+std::vector<std::string> bias(const RenderPlan& settings, const RenderResult&) {
   return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
 }
 
-std::vector<MemoryItem> memory_items(const RenderSettings& settings, const ScenePlan&, gpu::Feature) {
+std::vector<MemoryItem> memory_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
   return {{"guiding field", settings.guide ? kGuideBytes : 0}};
 }
 
-std::uint64_t slot_bytes(gpu::Feature features, const RenderSettings& settings, std::uint32_t more_rooms) {
+std::uint64_t slot_bytes(gpu::Feature features, const RenderPlan& settings, std::uint32_t more_rooms) {
   features |= features_of(settings) & gpu::kFeatureAdaptive;
   const std::uint32_t sky_samples = most_sky_samples_of(settings, features);
   if (features & gpu::kFeatureEnvironmentMap || sky_samples > 1)
@@ -61,18 +61,18 @@ std::uint64_t slot_bytes(gpu::Feature features, const RenderSettings& settings, 
                         shadow_queues(light_samples_of(settings, features), sky_samples));
 }
 
-std::uint64_t bytes_per_slot(gpu::Feature features, const RenderSettings& settings) {
+std::uint64_t bytes_per_slot(gpu::Feature features, const RenderPlan& settings) {
   const bool reuses = reuses_paths(settings) || tries_reuse(settings, features);
   return slot_bytes(features, settings, reuses ? kRoomForReuse : 0);
 }
 
-std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderSettings& settings) {
+std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderPlan& settings) {
   return {{"records for neighbours", bytes_per_slot(features, settings) - slot_bytes(features, settings, 0)}};
 }
 
-std::vector<OmittedStage> omitted(const RenderSettings& settings) {
+std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> left_out;
-  if (!reuses_paths(settings) && settings.tries_reuse == kTriesReuseNowhere)
+  if (!reuses_paths(settings) && settings.kernels.reuse == BearsReuse::nowhere)
     left_out.push_back({"what pixels tell their neighbours of paths, and its kernel", "no reuse of paths"});
   if (!settings.guide) left_out.push_back({"guiding field, its pilot and its kernels", "--guide was not given"});
   if (!(features_of(settings) & gpu::kFeatureLearnedSky))
@@ -82,7 +82,7 @@ std::vector<OmittedStage> omitted(const RenderSettings& settings) {
 
 // What a wave of these rays takes, in camera rays: shadow rays end at the first hit. The pilot's rays are counted
 // apart.
-double work(const RenderSettings& settings, const RayCounts& rays, bool cpu) {
+double work(const RenderPlan& settings, const RayCounts& rays, bool cpu) {
   const double guided = settings.guide ? (cpu ? 1.45 : 1.4) : 1.0; // shade reads the field: 1.3 to 1.85 on llvmpipe
   // What sharing takes beside its rays: vertices are kept and weighed. 0.1 to 1 of a camera ray (llvmpipe).
   const double shared = reuses_paths(settings) ? 0.6 * static_cast<double>(rays.camera) : 0.0;
@@ -107,18 +107,18 @@ constinit const IntegratorKind kPath = {
     .start_kernels = start_kernels,
     .bytes_per_slot = bytes_per_slot,
     .largest_record =
-        [](const RenderSettings&) {
+        [](const RenderPlan&) {
           return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes,
                                           gpu::kMostReuseTexels * sizeof(glm::uvec4)});
         },
     .slot_items = slot_items,
-    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
-    .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
+    .slots_per_pixel = [](const RenderPlan&) { return 1u; },
+    .bytes_per_pixel = [](const RenderPlan&) { return std::uint64_t{0}; },
     .items = memory_items,
-    .is_biased = [](const RenderSettings&) { return false; },
+    .is_biased = [](const RenderPlan&) { return false; },
     .bias = bias,
     .omitted = omitted,
-    .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
+    .stats = [](const RenderPlan&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<PathTracer>(workspace, kernels);
     },

@@ -36,12 +36,13 @@ Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
 
 } // namespace
 
-void LightTeacher::change(const RenderSettings& settings) {
+void LightTeacher::change(const RenderPlan& settings) {
   of_lights_ = trains_lights(workspace_.scene, settings);
   of_sky_ = trains_sky(workspace_.scene, settings);
-  taken_over_ = {of_lights_ ? settings.light_shares.lights : nullptr, of_sky_ ? settings.light_shares.sky : nullptr};
+  taken_over_ = {of_lights_ ? settings.training.found.lights : nullptr,
+                 of_sky_ ? settings.training.found.sky : nullptr};
   learns_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
-  pilot_paths_ = settings.light_pilot_paths;
+  pilot_paths_ = settings.training.paths;
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);

@@ -17,7 +17,7 @@ public:
       : workspace_(workspace), kernels_(kernels), paths_(paths) {}
 
   // Takes up settings, before the paths do; rooms() is then what they need besides.
-  void change(const RenderSettings& settings);
+  void change(const RenderPlan& settings);
   std::uint32_t rooms() const { return learns_ ? kRoomForLightSums : 0; }
   // Begins compiling the pilot's own kernels, once the paths have taken up the settings, or takes over what another
   // picture's pilot has learned.
@@ -38,7 +38,7 @@ private:
   KernelCompiler& kernels_;
   Paths& paths_;
   bool learns_ = false;
-  std::uint64_t pilot_paths_ = 0;           // RenderSettings::light_pilot_paths
+  std::uint64_t pilot_paths_ = 0;           // RenderPlan::light_pilot_paths
   bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
   LightShares taken_over_;
   KernelNeed need_;

@@ -23,7 +23,7 @@ namespace {
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-RenderSettings without_extras(RenderSettings settings) {
+RenderPlan without_extras(RenderPlan settings) {
   settings.whole_nets_from = has_whole_nets(settings) ? 0 : std::numeric_limits<std::uint32_t>::max();
   settings.aovs.clear();
   return settings;
@@ -41,17 +41,17 @@ glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit) {
   return {glm::dot(glm::dvec4(rows[0]), q), glm::dot(glm::dvec4(rows[1]), q), glm::dot(glm::dvec4(rows[2]), q)};
 }
 
-PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                        KernelCompiler& kernels)
     : workspace_(device, scene, 1, traversal_of(settings)),
       paths_(workspace_, kernels),
       teacher_(workspace_, kernels, paths_) {
-  const RenderSettings plain = without_extras(settings);
+  const RenderPlan plain = without_extras(settings);
   workspace_.change(view, plain);
   workspace_.frame.reuses_paths = 0; // a path by itself shares nothing
-  if (plain.light_shares) teacher_.change(plain);
+  if (plain.training.found) teacher_.change(plain);
   paths_.change(plain, kAllPathStages, 0);
-  if (plain.light_shares) teacher_.start();
+  if (plain.training.found) teacher_.start();
 }
 
 void PathReplay::run(PathStage stage, std::uint32_t bounce) {

@@ -42,11 +42,11 @@ struct PathTrace {
 
 class PathReplay {
 public:
-  PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+  PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
              KernelCompiler& kernels);
 
   // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
-  // learned (RenderSettings::light_shares).
+  // learned (RenderPlan::light_shares).
   // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net = 0);
 

@@ -9,12 +9,12 @@ std::uint32_t PathTracer::rooms() const {
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
-void PathTracer::change(const View&, const RenderSettings& settings, Past) {
+void PathTracer::change(const View&, const RenderPlan& settings, Past) {
   settings_ = settings;
   teacher_.change(settings);
   guide_report_.reset();
   guide_pilot_.reset();
-  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.guide_iterations);
+  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.training.guide_iterations);
   lesson_ = teacher_.learns() ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
   paths_.change(settings, kAllPathStages, rooms());
   teacher_.start();

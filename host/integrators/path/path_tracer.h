@@ -15,7 +15,7 @@ public:
   PathTracer(Workspace& workspace, KernelCompiler& kernels)
       : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), teacher_(workspace, kernels, paths_) {}
 
-  void change(const View& view, const RenderSettings& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
   std::optional<Pilot> pilot() override;
@@ -37,7 +37,7 @@ private:
   KernelCompiler& kernels_;
   Paths paths_;
   LightTeacher teacher_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   Lesson lesson_ = Lesson::none;              // that the pilot in progress, or the next one, is for
   std::optional<GuidePilot> guide_pilot_;     // until it has learned
   std::optional<GuideReport> guide_report_;   // once it has learned

@@ -138,11 +138,11 @@ std::vector<Binding> path_layout() {
   return layout;
 }
 
-gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings) {
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
 }
 
-gpu::Feature film_features(const RenderSettings& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
+gpu::Feature film_features(const RenderPlan& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
 
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples) {
   std::uint64_t bytes = 0;
@@ -159,7 +159,7 @@ std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::
 Paths::Paths(Workspace& workspace, KernelCompiler& kernels)
     : buffers(workspace.device, kRules), workspace_(workspace), kernels_(kernels) {}
 
-bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
+bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32_t options,
                    gpu::Feature film_features) {
   const PackedScene& scene = workspace_.scene;
   const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
@@ -172,7 +172,7 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
   if (!(options & kStatesAlone) &&
-      (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.room_for_shadow_rays))
+      (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.kernels.shadow_rays))
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,

@@ -72,8 +72,7 @@ public:
 
   // Takes up settings and the workspace's frame: begins compiling `stages` and makes room. `options`: see above.
   // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
-  bool change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
-              gpu::Feature film_features = 0);
+  bool change(const RenderPlan& settings, std::uint32_t stages, std::uint32_t options, gpu::Feature film_features = 0);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
   const KernelConfig& config() const { return need_.config; }
@@ -115,10 +114,10 @@ inline constexpr std::uint64_t kMostShadowRayBytes = gpu::kMostLightSamples * si
 std::vector<Binding> path_layout();
 
 // kFeature bits that a view and settings ask for in this scene.
-gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
+gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings);
 
 // kFeature bits of kernels that fill the film: those of the AOVs asked for.
-gpu::Feature film_features(const RenderSettings& settings);
+gpu::Feature film_features(const RenderPlan& settings);
 
 // Bytes of path state and queues that one path in flight takes, for the features given and as many light samples where
 // it first scatters.

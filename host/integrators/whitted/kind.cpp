@@ -16,13 +16,13 @@ constexpr std::array<std::string_view, 9> kSettings = {"adaptive", "ambient", "b
                                                        "aperture", "focus",   "blades",    "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderPlan& settings) {
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
   kernels.start({&kWhittedProgram, kWhittedStages, config});
   kernels.start({&kPathProgram, stage_bits({kAccumulate}), config});
 }
 
-std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
+std::vector<std::string> bias(const RenderPlan& settings, const RenderResult&) {
   std::vector<std::string> bias = {fmt::format(
       "light that more than one rough surface has scattered is left out, and so is what rough surfaces mirror of "
       "others; mirrors and glass are followed for {} bounces (--integrator whitted, --max-depth)",
@@ -35,7 +35,7 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
   return bias;
 }
 
-std::vector<OmittedStage> omitted(const RenderSettings&) {
+std::vector<OmittedStage> omitted(const RenderPlan&) {
   return {{"path kernels generate, extend, shade and connect, and their queues",
            "its own kernels follow the trees of rays"}};
 }
@@ -49,20 +49,20 @@ constinit const IntegratorKind kWhitted = {
     .walks_light_tree = false,
     .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
-    .unfit = [](const RenderSettings&, const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
+    .unfit = [](const RenderPlan&, const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](gpu::Feature features, const RenderSettings&) {
+        [](gpu::Feature features, const RenderPlan&) {
           return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode);
         },
-    .largest_record = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::WhittedNode)}; },
+    .largest_record = [](const RenderPlan&) { return std::uint64_t{sizeof(gpu::WhittedNode)}; },
     .slots_per_pixel = tree_width,
-    .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .is_biased = [](const RenderSettings&) { return true; },
+    .bytes_per_pixel = [](const RenderPlan&) { return std::uint64_t{0}; },
+    .is_biased = [](const RenderPlan&) { return true; },
     .bias = bias,
     .omitted = omitted,
-    .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
+    .stats = [](const RenderPlan&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<Whitted>(workspace, kernels);
     },

@@ -44,7 +44,7 @@ std::vector<Binding> layout() {
   return layout;
 }
 
-gpu::WhittedFrame make_frame(const PackedScene& scene, const RenderSettings& settings) {
+gpu::WhittedFrame make_frame(const PackedScene& scene, const RenderPlan& settings) {
   gpu::WhittedFrame frame{.ambient = settings.ambient.value_or(glm::vec3(0.0f)),
                           .cutoff = static_cast<float>(settings.cutoff),
                           .width = tree_width(settings)};
@@ -58,7 +58,7 @@ gpu::WhittedFrame make_frame(const PackedScene& scene, const RenderSettings& set
 
 } // namespace
 
-std::uint32_t tree_width(const RenderSettings& settings) {
+std::uint32_t tree_width(const RenderPlan& settings) {
   return settings.branching == kBranchingChoice ? 1 : gpu::kTreeWidth;
 }
 
@@ -67,7 +67,7 @@ const KernelProgram kWhittedProgram = {kStages, kCompileOrder, layout};
 Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
 
-void Whitted::change(const View& view, const RenderSettings& settings, Past) {
+void Whitted::change(const View& view, const RenderPlan& settings, Past) {
   const PackedScene& scene = workspace_.scene;
   refuse_lobes(scene, kWhittedLacks, "whitted");
   need_ = {&kWhittedProgram, kWhittedStages,

@@ -13,7 +13,7 @@ class Whitted : public Integrator {
 public:
   Whitted(Workspace& workspace, KernelCompiler& kernels);
 
-  void change(const View& view, const RenderSettings& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return samples * width_; }
@@ -40,6 +40,6 @@ inline constexpr std::uint32_t kWhittedStages = 0xf; // all
 inline constexpr gpu::Feature kWhittedLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
 
 // Rays of a sample that are followed at once.
-std::uint32_t tree_width(const RenderSettings& settings);
+std::uint32_t tree_width(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -46,7 +46,7 @@ public:
 
   // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
   // makes room. Throws Error if the device cannot hold it.
-  virtual void change(const View& view, const RenderSettings& settings, Past past) = 0;
+  virtual void change(const View& view, const RenderPlan& settings, Past past) = 0;
   // Whether the kernels are compiled, so that get_ready() will not wait.
   virtual bool is_ready() = 0;
   // Returns the seconds that compiling took. Throws what compiling threw.

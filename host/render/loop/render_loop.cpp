@@ -22,12 +22,12 @@ constexpr std::uint32_t kAdaptivePass = 16; // samples
 constexpr double kWorthwhile = 0.9; // as of pilots before the render (host/plan/pilots.h)
 
 // Windows, and renders that end by the clock, want to be asked again soon.
-std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace, const RenderSettings& settings) {
+std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace, const RenderPlan& settings) {
   const bool waits = !pace.by_wave && !(settings.time_limit > 0.0);
   return device.type == "cpu" && waits ? kFirstWaveOfCpu : kFirstWave;
 }
 
-RenderSettings whole_passes(RenderSettings settings) {
+RenderPlan whole_passes(RenderPlan settings) {
   if (!is_adaptive(settings)) return settings;
   settings.first_sample = whole_steps(settings.first_sample);
   settings.last_sample = whole_steps(settings.last_sample);
@@ -35,7 +35,7 @@ RenderSettings whole_passes(RenderSettings settings) {
 }
 
 // Looks are apart by so many samples that all replicates have as many, and all levels.
-Target make_target(const RenderSettings& settings, bool has_levels, std::uint32_t next_check = 0) {
+Target make_target(const RenderPlan& settings, bool has_levels, std::uint32_t next_check = 0) {
   const std::uint32_t step = has_levels ? kAdaptiveStep : gpu::kReplicates;
   return {settings.target_error, settings.first_sample, settings.last_sample, step, next_check};
 }
@@ -48,7 +48,7 @@ bool are_at_once(const DeviceInfo& device, const Pace& pace) {
 
 } // namespace
 
-RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                        KernelCompiler& kernels, RenderHooks hooks, const Pace& pace,
                        std::shared_ptr<const DeviceScene> uploaded)
     : settings_(settings),
@@ -83,7 +83,7 @@ void RenderLoop::abandon() {
   pending_.clear();
 }
 
-void RenderLoop::restart(const View& view, const RenderSettings& settings, Past past) {
+void RenderLoop::restart(const View& view, const RenderPlan& settings, Past past) {
   abandon();
   settings_ = whole_passes(settings);
   if (kind_ != settings.integrator) integrator_.reset(); // the device may not hold both at once

@@ -43,13 +43,13 @@ class RenderLoop {
 public:
   // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks'
   // resume state outlive the loop. Throws Error if the device cannot hold it.
-  RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+  RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
              KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {},
              std::shared_ptr<const DeviceScene> uploaded = nullptr);
   ~RenderLoop(); // waits for what is in flight
 
   // Begins anew with another view and other settings of the same scene. What is on the device is kept where it serves.
-  void restart(const View& view, const RenderSettings& settings, Past past = Past::forget);
+  void restart(const View& view, const RenderPlan& settings, Past past = Past::forget);
 
   // Whether there are kernels to begin with, so that step() will not wait for any.
   bool is_ready() { return integrator_->is_ready(); }
@@ -79,7 +79,7 @@ public:
   const Totals& totals() const { return queue_.totals; }
   MemoryUse memory() const;
   Film film(); // waits for what is in flight
-  const RenderSettings& settings() const { return settings_; }
+  const RenderPlan& settings() const { return settings_; }
   const Workspace& workspace() const { return workspace_; }
   const Integrator& integrator() const { return *integrator_; }
 
@@ -138,7 +138,7 @@ private:
   void show();
   RenderState state();
 
-  RenderSettings settings_;
+  RenderPlan settings_;
   RenderHooks hooks_;
   Pace pace_;
   KernelCompiler& kernels_;

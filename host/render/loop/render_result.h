@@ -11,7 +11,7 @@
 
 #include "host/film/error.h"
 #include "host/picture/picture.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/render/workspace/totals.h"
 
 namespace wavepath {

@@ -8,7 +8,7 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/render/loop/render_result.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/render/workspace/totals.h"
 
 namespace wavepath {
@@ -28,9 +28,9 @@ struct RenderState {
   RayCounts rays;
   Nonfinite nonfinite;
   std::vector<Checkpoint> checkpoints;
-  std::vector<std::int8_t> levels;     // of an adaptive render, see adaptive.h
-  std::optional<NoisePilot> noise;     // of which they come, or that nothing is shared out
-  std::uint32_t next_check = 0; // sample at which to look at the error next; 0 = at checkpoints only
+  std::vector<std::int8_t> levels; // of an adaptive render, see adaptive.h
+  std::optional<NoisePilot> noise; // of which they come, or that nothing is shared out
+  std::uint32_t next_check = 0;    // sample at which to look at the error next; 0 = at checkpoints only
   Film film;
 };
 

@@ -51,7 +51,7 @@ void add(RenderResult& sum, const RenderResult& part) {
 // A device with its copy of the scene, which renders one range after another.
 class Worker {
 public:
-  Worker(const RenderingDevice& on, const PackedScene& scene, const View& view, const RenderSettings& settings,
+  Worker(const RenderingDevice& on, const PackedScene& scene, const View& view, const RenderPlan& settings,
          const std::atomic<bool>& stopped)
       : on_(on), scene_(scene), view_(view), settings_(settings), stopped_(stopped) {
     share.name = on.device->info().name;
@@ -68,7 +68,7 @@ public:
     const Pace pace{.estimates = Estimates::none};
     loop_ = std::make_unique<RenderLoop>(*on_.device, scene_, view_, settings_, *on_.kernels, hooks, pace);
     compile_seconds = loop_->get_ready();
-    const RenderSettings small = small_picture(settings_, kProbeSide, kProbeSamples);
+    const RenderPlan small = small_picture(settings_, kProbeSide, kProbeSamples);
     loop_->restart(view_, small);
     RenderResult probe = run();
     speed = speed_of(probe, kProbeSamples, small);
@@ -78,7 +78,7 @@ public:
 
   // Throws DeviceLost.
   RenderResult render(const SampleRange& range, double time_limit) {
-    RenderSettings settings = settings_;
+    RenderPlan settings = settings_;
     settings.first_sample = range.first;
     settings.last_sample = range.end;
     settings.time_limit = time_limit;
@@ -111,7 +111,7 @@ private:
     return result;
   }
 
-  double speed_of(const RenderResult& result, std::uint32_t samples, const RenderSettings& settings) const {
+  double speed_of(const RenderResult& result, std::uint32_t samples, const RenderPlan& settings) const {
     const double pixels = static_cast<double>(settings.width) * settings.height;
     const double all = static_cast<double>(settings_.width) * settings_.height;
     return samples * (pixels / all) / std::max(result.seconds, 1e-6);
@@ -120,7 +120,7 @@ private:
   RenderingDevice on_;
   const PackedScene& scene_;
   const View& view_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   const std::atomic<bool>& stopped_;
   std::unique_ptr<RenderLoop> loop_;
 };
@@ -135,9 +135,9 @@ struct Task {
 class SharedRender {
 public:
   SharedRender(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-               const RenderSettings& settings, const RenderHooks& hooks)
+               const RenderPlan& settings, const RenderHooks& hooks)
       : settings_(settings), hooks_(hooks), origin_(scene.origin) {
-    RenderSettings part = settings;
+    RenderPlan part = settings;
     if (part.sample_total == 0) part.sample_total = settings.last_sample;
     part.target_error = part.time_limit = 0.0;
     for (const RenderingDevice& device : devices)
@@ -338,7 +338,7 @@ private:
     return true;
   }
 
-  RenderSettings settings_;
+  RenderPlan settings_;
   const RenderHooks& hooks_;
   glm::dvec3 origin_;
   std::atomic<bool> stopped_ = false;
@@ -360,7 +360,7 @@ std::uint32_t DeviceShare::samples() const {
 }
 
 SharedResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-                               const RenderSettings& settings, const RenderHooks& hooks) {
+                               const RenderPlan& settings, const RenderHooks& hooks) {
   return SharedRender(devices, scene, view, settings, hooks).run();
 }
 

@@ -8,7 +8,7 @@
 
 #include "host/render/loop/hooks.h"
 #include "host/render/loop/render_result.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -50,6 +50,6 @@ struct SharedResult {
 // between rounds. `hooks`: progress and checkpoint. The settings are neither adaptive nor those of resumed
 // renders. Throws Error as render() does, and DeviceLost once no device is left.
 SharedResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-                               const RenderSettings& settings, const RenderHooks& hooks);
+                               const RenderPlan& settings, const RenderHooks& hooks);
 
 } // namespace wavepath

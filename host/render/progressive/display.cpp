@@ -51,7 +51,7 @@ Display::Display(Device& device) : device_(device), pixels_(device, 0) {
 }
 
 void Display::draw(const Progressive& progressive, const DisplayOptions& options, std::uint32_t first_column) {
-  const RenderSettings& settings = progressive.settings();
+  const RenderPlan& settings = progressive.settings();
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const FilmTarget& film = progressive.film_target();
   const FilmShape& shape = film.shape();

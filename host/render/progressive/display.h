@@ -43,7 +43,7 @@ inline constexpr std::array<std::string_view, 18> kShownNames = {
     "color",    "albedo", "normal",       "depth", "position",  "direct",   "indirect",  "emission",  "samples",
     "variance", "error",  "shadow-error", "ao",    "roughness", "metallic", "triangles", "instances", "materials"};
 
-// The --aov that rendering needs so that it can be shown: put it into RenderSettings::aovs. Empty = none.
+// The --aov that rendering needs so that it can be shown: put it into RenderPlan::aovs. Empty = none.
 std::vector<std::string> aovs_for(Shown shown);
 // False: its frames hold no such thing.
 bool can_show(const IntegratorKind& integrator, Shown shown);

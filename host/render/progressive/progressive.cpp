@@ -15,19 +15,19 @@ constexpr double kCoarsePicture = 0.1;         // seconds that a picture may tak
 constexpr std::uint32_t kCoarsest = 8;         // pixels a side
 constexpr std::uint32_t kMostSlots = 1u << 21; // more paths take no GPU so little time
 
-double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
+double pixels_of(const RenderPlan& settings) { return static_cast<double>(settings.width) * settings.height; }
 
 // Every pixel gets the same samples, and nothing but its samples, or the user, ends the render.
-RenderSettings open_ended(RenderSettings settings) {
+RenderPlan open_ended(RenderPlan settings) {
   settings.adaptive = kAdaptiveOff;
   settings.time_limit = settings.target_error = 0.0;
   // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
-  settings.room_for_whole_nets = has_whole_nets(settings);
-  settings.room_for_mips = true; // for frames in motion
+  settings.kernels.whole_nets = has_whole_nets(settings);
+  settings.kernels.mips = true; // for frames in motion
   return settings;
 }
 
-Pace pace_of(const RenderSettings& settings) {
+Pace pace_of(const RenderPlan& settings) {
   return {.longest_dispatch = kLongestWave,
           .by_wave = true,
           .estimates = Estimates::share,
@@ -38,7 +38,7 @@ Pace pace_of(const RenderSettings& settings) {
 
 } // namespace
 
-Progressive::Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+Progressive::Progressive(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                          KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
     : device_(device),
       scene_(&scene),
@@ -50,7 +50,7 @@ Progressive::Progressive(Device& device, const PackedScene& scene, const View& v
   begin_anew(choose_coarse());
 }
 
-std::unique_ptr<Progressive> Progressive::beside(const RenderSettings& settings) const {
+std::unique_ptr<Progressive> Progressive::beside(const RenderPlan& settings) const {
   return std::make_unique<Progressive>(device_, *scene_, view_, settings, kernels_, loop_->workspace().on_device);
 }
 
@@ -100,7 +100,7 @@ void Progressive::set_view(const View& view) {
   begin_anew(choose_coarse());
 }
 
-void Progressive::set_settings(const RenderSettings& settings, const View& view) {
+void Progressive::set_settings(const RenderPlan& settings, const View& view) {
   settings_ = open_ended(settings);
   view_ = view;
   begin_anew(choose_coarse());

@@ -34,10 +34,10 @@ public:
   // Uploads the scene, unless it is there. `scene` and `kernels` outlive it. The picture has settings.width times
   // height pixels, which is what `view` is resolved for, and is done at settings.last_sample. Settings of time, error
   // and adaptive sampling play no part. Throws Error if the device cannot hold it.
-  Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+  Progressive(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
               KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
   // Another render of the same scene and view, which shares what is on the device of the scene.
-  std::unique_ptr<Progressive> beside(const RenderSettings& settings) const;
+  std::unique_ptr<Progressive> beside(const RenderPlan& settings) const;
 
   // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and
   // the last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
@@ -51,11 +51,11 @@ public:
   // Anything but the scene, the size and the AOVs included; `view` is resolved for the new size. Keeps what it can of
   // what is on the device; the scene always. settings.direct may be any, whatever the scene was packed for but
   // kDirectBsdf.
-  void set_settings(const RenderSettings& settings, const View& view);
+  void set_settings(const RenderPlan& settings, const View& view);
   // Another scene, or the same one packed anew; uploads it.
   void set_scene(const PackedScene& scene, const View& view);
 
-  const RenderSettings& settings() const { return settings_; }
+  const RenderPlan& settings() const { return settings_; }
   const View& view() const { return view_; }
   bool moving() const { return moving_; }
   ProgressiveStatus status() const;
@@ -86,8 +86,8 @@ private:
   Device& device_;
   const PackedScene* scene_;
   KernelCompiler& kernels_;
-  RenderSettings settings_; // as asked for
-  RenderSettings rendered_; // and as they are rendered: smaller while the camera moves
+  RenderPlan settings_; // as asked for
+  RenderPlan rendered_; // and as they are rendered: smaller while the camera moves
   View view_;
   std::optional<View> next_view_; // moved to while a picture was not complete
   std::unique_ptr<RenderLoop> loop_;

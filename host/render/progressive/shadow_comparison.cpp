@@ -12,7 +12,7 @@ namespace wavepath {
 namespace {
 
 // Whether a render with the one is a render with the other: settings that mean nothing to its technique do not count.
-bool same_render(const RenderSettings& a, const RenderSettings& b) {
+bool same_render(const RenderPlan& a, const RenderPlan& b) {
   if (a.integrator != b.integrator || a.width != b.width || a.height != b.height || a.aovs != b.aovs ||
       a.first_sample != b.first_sample || a.last_sample != b.last_sample)
     return false;
@@ -22,7 +22,7 @@ bool same_render(const RenderSettings& a, const RenderSettings& b) {
   });
 }
 
-void take(Progressive& render, const RenderSettings& settings, const View& view) {
+void take(Progressive& render, const RenderPlan& settings, const View& view) {
   if (!same_render(render.settings(), settings)) render.set_settings(settings, view);
 }
 
@@ -30,26 +30,26 @@ void take(Progressive& render, const RenderSettings& settings, const View& view)
 
 ShadowComparison::ShadowComparison(Progressive& shown, std::uint32_t against) : shown_(shown), against_(against) {
   truth_ = shown.beside(truth_settings());
-  const RenderSettings light = light_settings();
+  const RenderPlan light = light_settings();
   const IntegratorKind& kind = *light.integrator;
   if (!kind.unfit || kind.unfit(light, shown.scene()).empty()) light_ = shown.beside(light);
 }
 
 // Techniques answer light samples alone: the truth estimates direct light as `shown` does, so that shadows alone
 // differ.
-RenderSettings ShadowComparison::truth_settings() const {
-  RenderSettings settings = shown_.settings();
+RenderPlan ShadowComparison::truth_settings() const {
+  RenderPlan settings = shown_.settings();
   settings.direct = direct_of(settings);
   settings.shadows = against_;
   return settings;
 }
 
 // A map of which all light passes: the smallest would do, and the cheapest technique.
-RenderSettings ShadowComparison::light_settings() const {
-  RenderSettings settings = shown_.settings();
+RenderPlan ShadowComparison::light_settings() const {
+  RenderPlan settings = shown_.settings();
   settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, "map") - kShadowNames.begin());
   settings.shadow_size = 64;
-  settings.shadow_bias = RenderSettings{}.shadow_bias;
+  settings.shadow_bias = RenderPlan{}.shadow_bias;
   settings.shadow_bias_amount.reset();
   settings.shadow_source = kShadowSourceRaster;
   settings.shadow_ambient = 1.0;

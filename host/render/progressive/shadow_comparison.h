@@ -21,7 +21,7 @@ struct ShadowVerdict {
 class ShadowComparison {
 public:
   // Renders beside `shown`, of the same scene, which is on the device once: a further one with the shadow technique
-  // `against` (RenderSettings::shadows), and one of unshadowed light. `shown` renders the AOV direct and outlives this.
+  // `against` (RenderPlan::shadows), and one of unshadowed light. `shown` renders the AOV direct and outlives this.
   // Throws Error if the technique does not suit the scene, or the device cannot hold it.
   ShadowComparison(Progressive& shown, std::uint32_t against);
 
@@ -42,8 +42,8 @@ public:
   ShadowVerdict judge();
 
 private:
-  RenderSettings truth_settings() const;
-  RenderSettings light_settings() const;
+  RenderPlan truth_settings() const;
+  RenderPlan light_settings() const;
 
   Progressive& shown_;
   std::uint32_t against_;

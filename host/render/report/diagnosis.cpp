@@ -39,7 +39,7 @@ bool is_trusted(const RenderResult& result) {
          !has_fireflies(result);
 }
 
-std::string firefly_remedy(const RenderSettings& settings, const PackedScene& scene) {
+std::string firefly_remedy(const RenderPlan& settings, const PackedScene& scene) {
   const IntegratorKind& kind = *settings.integrator;
   if (takes(kind, "direct") && settings.direct != gpu::kDirectMis) return "try --direct mis";
   const auto fits = [&](const IntegratorKind* other) {
@@ -55,7 +55,7 @@ std::string firefly_remedy(const RenderSettings& settings, const PackedScene& sc
   return "look for small bright lights that are only found by chance";
 }
 
-std::vector<std::string> diagnose(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
+std::vector<std::string> diagnose(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
                                   const std::vector<TrueError>& true_errors, const std::vector<std::string>& bias) {
   std::vector<std::string> words;
   const ErrorEstimate& error = result.error;

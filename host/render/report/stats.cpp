@@ -98,7 +98,7 @@ Json error_json(const Run& run) {
   return json;
 }
 
-Json json(const Setting& row, const RenderSettings& settings) {
+Json json(const Setting& row, const RenderPlan& settings) {
   const std::string text = text_of(row, settings);
   if (text.empty() || !is_taken(row, *settings.integrator)) return nullptr;
   if (std::holds_alternative<OnOffValue>(row.value) || std::holds_alternative<SwitchValue>(row.value))
@@ -138,7 +138,7 @@ Json denoise_json(const Run& run) {
 }
 
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
-Json settings_json(const RenderSettings& settings) {
+Json settings_json(const RenderPlan& settings) {
   Json object = Json::object();
   for (const Setting& row : settings_table()) {
     std::string key(row.name);
@@ -148,7 +148,7 @@ Json settings_json(const RenderSettings& settings) {
   return object;
 }
 
-Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
+Json nonfinite_json(const Nonfinite& nonfinite, const RenderPlan& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
     const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->at.pixel, settings.width, settings.height);
@@ -165,7 +165,7 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) 
 
 } // namespace
 
-Json textures_json(const RenderSettings& settings, const PackedScene& packed) {
+Json textures_json(const RenderPlan& settings, const PackedScene& packed) {
   std::size_t sampled = 0;
   for (const gpu::Texture& texture : packed.textures) sampled += (texture.flags & gpu::kTextureSampled) != 0;
   return {{"filtering", kTextureFilterNames[settings.textures]},
@@ -201,7 +201,7 @@ Json sky_selection_json(const LightPilot& pilot) {
 Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
-  const RenderSettings& settings = run.settings;
+  const RenderPlan& settings = run.settings;
   const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
   const Json sky = sky_selection_json(run.result.light_pilot);
   if (!tree) return {{"by", "power"}, {"places", packed.light_places}, {"sky", sky}};
@@ -238,7 +238,7 @@ Json devices_json(const SharedResult& shared) {
 
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
-  const RenderSettings& settings = run.settings;
+  const RenderPlan& settings = run.settings;
   Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
   for (const LeftOut& entry : run.packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});

@@ -20,7 +20,7 @@ namespace wavepath {
 struct Run {
   std::string scene, command;
   const DeviceInfo& device;
-  const RenderSettings& settings;
+  const RenderPlan& settings;
   const PackedScene& packed;
   const RenderResult& result;
   double load_seconds = 0.0, write_seconds = 0.0;

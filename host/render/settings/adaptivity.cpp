@@ -4,8 +4,8 @@
 
 namespace wavepath {
 
-bool is_adaptive(const RenderSettings& settings) {
-  const bool tries = settings.adaptive == kAdaptiveAuto && settings.tries_adaptive;
+bool is_adaptive(const RenderPlan& settings) {
+  const bool tries = settings.adaptive == kAdaptiveAuto && settings.looks_for_noise;
   return takes(*settings.integrator, "adaptive") && (tries || settings.adaptive == kAdaptiveOn);
 }
 

@@ -4,10 +4,10 @@
 
 namespace wavepath {
 
-bool denoises_film(const RenderSettings& settings) {
+bool denoises_film(const RenderPlan& settings) {
   return settings.denoise != kDenoiseOff && settings.integrator->traces_paths;
 }
 
-bool records_aovs(const RenderSettings& settings) { return !settings.aovs.empty() || denoises_film(settings); }
+bool records_aovs(const RenderPlan& settings) { return !settings.aovs.empty() || denoises_film(settings); }
 
 } // namespace wavepath

@@ -34,7 +34,7 @@ std::vector<Record> records_of(const std::string& identity) {
 
 } // namespace
 
-std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderSettings& settings) {
+std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderPlan& settings) {
   std::string identity = fmt::format("version={};scene={:016x}", WAVEPATH_VERSION, scene_hash);
   for (const Setting& row : settings_table()) {
     if (row.decides == Decides::nothing || !is_taken(row, *settings.integrator)) continue;

@@ -11,7 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "host/render/settings/memory_item.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -51,43 +51,43 @@ struct IntegratorKind {
   std::span<const std::string_view> first_hit_stages{};
 
   // Throws UsageError where values of its settings do not go together; null = they always do.
-  void (*check)(const RenderSettings& settings) = nullptr;
+  void (*check)(const RenderPlan& settings) = nullptr;
   // Whether a setting that it takes means something beside the others; null = it does.
-  bool (*means)(const RenderSettings& settings, std::string_view setting) = nullptr;
+  bool (*means)(const RenderPlan& settings, std::string_view setting) = nullptr;
   // Why it cannot render this scene so; empty = it can. Null = it can render any.
-  std::string (*unfit)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
-  // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
-  gpu::Feature (*features)(const RenderSettings& settings) = nullptr;
+  std::string (*unfit)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
+  // kFeature bits of its kernels, besides those of the scene and of RenderPlan::adaptive.
+  gpu::Feature (*features)(const RenderPlan& settings) = nullptr;
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
   void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
-                        const RenderSettings& settings) = nullptr;
+                        const RenderPlan& settings) = nullptr;
   // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
   // buffer.
-  std::uint64_t (*bytes_per_slot)(gpu::Feature features, const RenderSettings& settings) = nullptr;
-  std::uint64_t (*largest_record)(const RenderSettings& settings) = nullptr;
+  std::uint64_t (*bytes_per_slot)(gpu::Feature features, const RenderPlan& settings) = nullptr;
+  std::uint64_t (*largest_record)(const RenderPlan& settings) = nullptr;
   // What of bytes_per_slot() not every render takes, by name. Null = nothing.
-  std::vector<MemoryItem> (*slot_items)(gpu::Feature features, const RenderSettings& settings) = nullptr;
+  std::vector<MemoryItem> (*slot_items)(gpu::Feature features, const RenderPlan& settings) = nullptr;
   // Paths that a pixel takes in every wave.
-  std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
+  std::uint32_t (*slots_per_pixel)(const RenderPlan& settings) = nullptr;
   // Device memory that a pixel takes besides paths and film.
-  std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
+  std::uint64_t (*bytes_per_pixel)(const RenderPlan& settings) = nullptr;
   // Device memory besides, by name, at most; of no bytes where this scene has no use for it. Null = none.
-  std::vector<MemoryItem> (*items)(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) = nullptr;
+  std::vector<MemoryItem> (*items)(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features) = nullptr;
   // Whether the picture converges to something else than the light of all paths up to --max-depth.
-  bool (*is_biased)(const RenderSettings& settings) = nullptr;
+  bool (*is_biased)(const RenderPlan& settings) = nullptr;
   // What of the light is approximated or missing, a sentence each; the first one is about long paths.
-  std::vector<std::string> (*bias)(const RenderSettings& settings, const RenderResult& result) = nullptr;
-  std::vector<OmittedStage> (*omitted)(const RenderSettings& settings) = nullptr;
+  std::vector<std::string> (*bias)(const RenderPlan& settings, const RenderResult& result) = nullptr;
+  std::vector<OmittedStage> (*omitted)(const RenderPlan& settings) = nullptr;
   // Of its own settings as they were used, for the stats document; null if it has none.
-  nlohmann::ordered_json (*stats)(const RenderSettings& settings, const PackedScene& scene,
+  nlohmann::ordered_json (*stats)(const RenderPlan& settings, const PackedScene& scene,
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
 
   // Of a kind that stands for the best of others (host/render/integrator_choice.h): what it chooses from, the one to be
   // taken without a trial first. Null for all others.
-  std::vector<RenderSettings> (*candidates)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
+  std::vector<RenderPlan> (*candidates)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
   // Of such a candidate: what these rays cost, on a CPU device or another; camera rays of path tracing are the unit.
-  double (*work)(const RenderSettings& settings, const RayCounts& rays, bool cpu) = nullptr;
+  double (*work)(const RenderPlan& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
 
 // All of them, the default first. Defined by host/integrators/factory.cpp, which alone knows their names.

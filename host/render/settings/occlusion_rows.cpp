@@ -7,7 +7,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderSettings;
+using S = RenderPlan;
 
 constexpr double kMostAoBias = 90.0; // degrees
 

@@ -4,16 +4,16 @@
 
 namespace wavepath {
 
-bool may_reuse_paths(const RenderSettings& settings) {
+bool may_reuse_paths(const RenderPlan& settings) {
   return takes(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
          settings.hemisphere == gpu::kHemisphereCosine;
 }
 
-bool reuses_paths(const RenderSettings& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }
+bool reuses_paths(const RenderPlan& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }
 
-bool tries_reuse(const RenderSettings& settings, gpu::Feature scene) {
+bool tries_reuse(const RenderPlan& settings, gpu::Feature scene) {
   const bool learns = scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap);
-  return may_reuse_paths(settings) && settings.tries_reuse >= (learns ? kTriesReuseAnywhere : kTriesReuseUnlearned);
+  return may_reuse_paths(settings) && settings.kernels.reuse >= (learns ? BearsReuse::anywhere : BearsReuse::untrained);
 }
 
 } // namespace wavepath

@@ -33,7 +33,7 @@ void read(const WholeValue& kind, const FlagValue& value, RenderSettings& settin
   settings.*kind.member = value.whole_number(kind.lowest, kind.highest);
 }
 void read(const NumberValue& kind, const FlagValue& value, RenderSettings& settings) {
-  settings.*kind.member = value.number(kind.lowest, kind.highest);
+  kind.in(settings) = value.number(kind.lowest, kind.highest);
 }
 void read(const PositiveValue& kind, const FlagValue& value, RenderSettings& settings) {
   settings.*kind.member = value.positive_number();
@@ -66,7 +66,7 @@ std::string text(const WholeValue& kind, const RenderSettings& settings) {
   return fmt::format("{}", number_of(kind, settings));
 }
 std::string text(const NumberValue& kind, const RenderSettings& settings) {
-  return fmt::format("{}", settings.*kind.member);
+  return fmt::format("{}", kind.in(settings));
 }
 std::string text(const PositiveValue& kind, const RenderSettings& settings) {
   return settings.*kind.member > 0.0 ? fmt::format("{}", settings.*kind.member) : "";

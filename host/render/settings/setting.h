@@ -35,6 +35,9 @@ struct WholeValue {
 struct NumberValue {
   double RenderSettings::*member = nullptr;
   double lowest = 0.0, highest = 0.0;
+  double Lens::*of_lens = nullptr; // in place of `member`, of RenderSettings::lens
+  double& in(RenderSettings& settings) const { return of_lens ? settings.lens.*of_lens : settings.*member; }
+  double in(const RenderSettings& settings) const { return of_lens ? settings.lens.*of_lens : settings.*member; }
 };
 struct PositiveValue { // 0 = not set
   double RenderSettings::*member = nullptr;

@@ -1,9 +1,9 @@
-// The settings of a render. A new one also gets a row in settings_table.cpp, from which its flag, identity, copied
-// command, stats and widget follow; tests/settings_test.cpp fails without that row.
+// The settings of a render: what a user asks for. What is decided besides is in render_plan.h. A new one also gets a
+// row in settings_table.cpp, from which its flag, identity, copied command, stats and widget follow;
+// tests/settings_test.cpp fails without that row.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,33 +28,25 @@ inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTrave
 // By what textures are filtered: by kernels in fp32, or by the device's samplers.
 inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
 
-// Iterations in which guiding learns, of short renders and of parts.
-inline constexpr std::uint32_t kGuideIterations = 4;
-
 // Whether samples are shared out by noise: where that pays, never, or always.
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 
 // Whether pixels share the paths of their neighbours: where that pays, never, or always.
 inline constexpr std::uint32_t kReuseAuto = 0, kReuseOn = 1, kReuseOff = 2;
-// Where auto makes pilots: nowhere; where these need not learn of lights first; or anywhere.
-inline constexpr std::uint32_t kTriesReuseNowhere = 0, kTriesReuseUnlearned = 1, kTriesReuseAnywhere = 2;
 
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
-
-// What a pilot has learned of which lights reach where, as light_rows.h teaches it for
-// kernels/light/light_selection.glsl, and which parts of an environment map, as sky_rows.h does for
-// kernels/light/learned_sky.glsl; null: nothing.
-struct LightShares {
-  std::shared_ptr<const std::vector<std::uint32_t>> lights, sky;
-  explicit operator bool() const { return lights || sky; }
-  bool operator==(const LightShares&) const = default;
-};
 
 struct IntegratorKind; // host/render/settings/integrator_kind.h
 const IntegratorKind& default_integrator();
 
 inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, for a sample of a pixel; more come by more samples
+
+struct Lens {
+  double aperture = 0.0;       // diameter in metres; 0 = a pinhole
+  std::optional<double> focus; // metres along the view axis; empty = to what the middle of the picture shows
+  std::uint32_t blades = 0;    // corners of the aperture, a regular polygon; 0 = a disc
+};
 
 struct RenderSettings {
   const IntegratorKind* integrator = &default_integrator(); // how light is found; never null
@@ -75,9 +67,7 @@ struct RenderSettings {
   std::uint32_t textures = kTexturesExact;  // by what textures are filtered; the scene was packed for it
   // Taken by some integrators only.
   std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
-  double aperture = 0.0;                             // metres across the lens; 0 = a pinhole
-  std::optional<double> focus; // metres along the view axis; empty = to what the middle of the picture shows
-  std::uint32_t blades = 0;    // of the aperture, a regular polygon; 0 = a disc
+  Lens lens;
   std::uint32_t first_hit = kFirstHitAuto;
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
@@ -113,37 +103,15 @@ struct RenderSettings {
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
   std::uint32_t denoise = kDenoiseOff;            // filter every frame, or the finished picture (denoising.h); biased
-  bool antialias_over_time = false;        // joins every picture to those before it, for a camera in motion; biased
-  bool mips = true;                        // textures at mip levels in frames of one sample (mips.h); biased
-  std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
-  std::uint32_t light_samples = 0;         // where a path first scatters; 0 = by the scene (light_samples.h)
-  std::uint32_t sky_samples = 0;           // a vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
-  bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
-  std::uint32_t reuse = kReuseAuto;        // of the paths of neighbouring pixels (path_reuse.h)
-  std::uint32_t tries_reuse = kTriesReuseNowhere; // scenes whose kernels are to bear both
+  bool mips = true;                               // textures at mip levels in frames of one sample (mips.h); biased
+  std::uint32_t lights = gpu::kLightsAuto;        // how next-event estimation chooses among them
+  std::uint32_t light_samples = 0;                // where a path first scatters; 0 = by the scene (light_samples.h)
+  std::uint32_t sky_samples = 0;                  // a vertex; 0 = as pilots find, else 1 (light_samples.h)
+  std::uint32_t reuse = kReuseAuto;               // of the paths of neighbouring pixels (path_reuse.h)
   std::uint32_t adaptive = kAdaptiveAuto;         // more samples where a pilot, which is thrown away, found more noise
-  bool tries_adaptive = false; // auto looks for noise, and goes on evenly where it is even (adaptive_choice.h)
-  bool guide = false;          // directions are also drawn from a field that a pilot learned
-  bool moving = false;         // the scene was loaded with motion, which the kernels are to see
+  bool guide = false;                             // directions are also drawn from a field that a pilot learned
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
-
-  // In which the field is learned, at most; trials make do with fewer, long renders that stand alone have more.
-  std::uint32_t guide_iterations = kGuideIterations;
-
-  // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
-  // them out, and left out though it needs them.
-  gpu::Feature added_features = 0, removed_features = 0;
-  bool learns_lights = true;                // by a pilot, where `lights` asks for it
-  bool learns_sky = true;                   // of one colour, where lights are learned and sky_samples > 1
-  std::uint64_t light_pilot_paths = 0;      // of that pilot; 0 = as parts have (light_teacher.cpp)
-  LightShares light_shares;                 // of another picture of the scene, in place of a pilot that learns them
-  bool room_for_shadow_rays = false;        // even where no light is sampled
-  bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
-  bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
-  std::uint32_t whole_nets_from = 1u << 15; // pixels of a picture whose nets may stay whole (whole_nets.h)
-  double quad_scale = 1.0; // of the quads of a pilot, which then shows few quads of a larger picture (path_reuse.h)
-  std::uint32_t wave_slots = 0; // paths in flight; 0 = chosen from memory and measured dispatch time
 };
 
 } // namespace wavepath

@@ -111,15 +111,15 @@ std::string techniques_text(const S& settings) {
 }
 
 void read_focus(const FlagValue& value, S& settings) {
-  settings.focus.reset();
+  settings.lens.focus.reset();
   if (value.text == "auto") return;
   if (!(value.positive_number() <= kFarthestFocus)) value.refuse("is too far", "give at most 1e15, or auto");
-  settings.focus = value.positive_number();
+  settings.lens.focus = value.positive_number();
 }
 
 void read_blades(const FlagValue& value, S& settings) {
-  settings.blades = value.whole_number(0, kMostBlades);
-  if (settings.blades == 1 || settings.blades == 2)
+  settings.lens.blades = value.whole_number(0, kMostBlades);
+  if (settings.lens.blades == 1 || settings.lens.blades == 2)
     value.refuse("is no polygon", fmt::format("give 3 to {}, or 0 for a disc", kMostBlades));
 }
 
@@ -127,7 +127,7 @@ void read_blades(const FlagValue& value, S& settings) {
 std::vector<Setting> lens_rows() {
   std::vector<Setting> rows = {
       {.name = "aperture",
-       .value = NumberValue{&S::aperture, 0.0, kFarthestFocus},
+       .value = NumberValue{nullptr, 0.0, kFarthestFocus, &Lens::aperture},
        .meaning =
            "diameter of a thin lens in metres of the scene (an f-number N at focal length f is f / N); what is out "
            "of focus is blurred; 0 = a pinhole, all is sharp",
@@ -135,13 +135,14 @@ std::vector<Setting> lens_rows() {
        .label = "aperture, metres"},
       {.name = "focus",
        .value =
-           SpecialValue{read_focus, [](const S& s) { return s.focus ? fmt::format("{}", *s.focus) : std::string(); }},
+           SpecialValue{read_focus,
+                        [](const S& s) { return s.lens.focus ? fmt::format("{}", *s.lens.focus) : std::string(); }},
        .meaning = "distance along the view axis to what --aperture keeps sharp; auto: that of what the middle of the "
                   "picture shows",
        .placeholder = "METRES|auto",
        .initial = "auto"},
       {.name = "blades",
-       .value = SpecialValue{read_blades, [](const S& s) { return fmt::format("{}", s.blades); }},
+       .value = SpecialValue{read_blades, [](const S& s) { return fmt::format("{}", s.lens.blades); }},
        .meaning = "shape of the aperture: a regular polygon of so many corners, --aperture being the diameter of the "
                   "circle through them; 0 = a disc",
        .placeholder = "N",

@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-std::uint32_t direct_of(const RenderSettings& settings) {
+std::uint32_t direct_of(const RenderPlan& settings) {
   const bool answered = settings.shadows != kShadowsTraced && takes(*settings.integrator, "shadows");
   const bool local = settings.shading != kShadingGltf && takes(*settings.integrator, "shading");
   return (answered || local) && settings.direct == gpu::kDirectMis ? gpu::kDirectNee : settings.direct;

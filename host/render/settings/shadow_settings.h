@@ -8,7 +8,7 @@
 
 namespace wavepath {
 
-struct RenderSettings;
+struct RenderPlan;
 
 // The first one traces rays; host/integrators/hybrid/shadows has a file for each of the others.
 inline constexpr std::array<std::string_view, 26> kShadowNames = {
@@ -25,6 +25,6 @@ inline constexpr std::uint32_t kShadowSourceRaster = 0, kShadowSourceTraced = 1;
 
 // How direct light is estimated: as --direct says; by light samples alone where a technique answers them, because it
 // knows nothing of lights that BSDF samples hit, and where local illumination reflects, which draws no directions.
-std::uint32_t direct_of(const RenderSettings& settings);
+std::uint32_t direct_of(const RenderPlan& settings);
 
 } // namespace wavepath

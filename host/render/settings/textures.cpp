@@ -4,7 +4,7 @@
 
 namespace wavepath {
 
-std::optional<SamplerLimits> sampler_limits(const RenderSettings& settings, const DeviceInfo& device) {
+std::optional<SamplerLimits> sampler_limits(const RenderPlan& settings, const DeviceInfo& device) {
   if (settings.textures == kTexturesExact) return std::nullopt;
   return SamplerLimits{device.max_image_side, device.max_image_layers,
                        std::min(device.max_image_bytes, device.max_allocation)};

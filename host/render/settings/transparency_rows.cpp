@@ -5,7 +5,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderSettings;
+using S = RenderPlan;
 
 constexpr std::uint32_t kMostLayers = 64;
 

@@ -4,7 +4,7 @@
 
 namespace wavepath {
 
-std::uint32_t traversal_of(const RenderSettings& settings) {
+std::uint32_t traversal_of(const RenderPlan& settings) {
   if (settings.moving && settings.traversal == kTraversalHardware)
     throw Error("--traversal hardware", "knows no surfaces that move while the shutter is open",
                 "use --traversal compute, or leave out --shutter");

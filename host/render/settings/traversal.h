@@ -2,12 +2,12 @@
 #pragma once
 
 #include "host/gpu/device_info.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
 // --traversal as kernels are asked for it: one of kTraversal...; ray queries know no surfaces that move.
-std::uint32_t traversal_of(const RenderSettings& settings);
+std::uint32_t traversal_of(const RenderPlan& settings);
 
 // Whether that means the device's ray queries in place of traversal in compute kernels: where it has hardware for them,
 // or where settings insist. Throws Error if they insist on what the device lacks.

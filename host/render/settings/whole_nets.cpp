@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-bool has_whole_nets(const RenderSettings& settings) {
+bool has_whole_nets(const RenderPlan& settings) {
   const IntegratorKind& kind = *settings.integrator;
   return kind.traces_paths && !kind.splats && !denoises_film(settings) &&
          std::ranges::find(settings.aovs, "variance") == settings.aovs.end() &&

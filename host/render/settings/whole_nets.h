@@ -1,7 +1,7 @@
 // Whether the pixels of a render keep their nets of samples whole.
 #pragma once
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -9,6 +9,6 @@ namespace wavepath {
 // second one on one pixel of each block (kernels/base/net_layout.h). That takes a picture large enough for an error
 // that is measured on so few, and an integrator whose samples of a pixel stand for themselves; the variance of every
 // single pixel is not known then.
-bool has_whole_nets(const RenderSettings& settings);
+bool has_whole_nets(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -18,9 +18,9 @@ namespace {
 // measured (33 to 128 entries, llvmpipe).
 constexpr std::uint32_t kStackStep = 64;
 
-std::uint32_t lens_of(const RenderSettings& settings) {
-  if (!(settings.aperture > 0.0) || !takes(*settings.integrator, "aperture")) return gpu::kLensPinhole;
-  return settings.blades > 0 ? settings.blades : gpu::kLensDisc;
+std::uint32_t lens_of(const RenderPlan& settings) {
+  if (!(settings.lens.aperture > 0.0) || !takes(*settings.integrator, "aperture")) return gpu::kLensPinhole;
+  return settings.lens.blades > 0 ? settings.lens.blades : gpu::kLensDisc;
 }
 
 } // namespace
@@ -32,11 +32,12 @@ gpu::Feature generic_features(gpu::Feature scene) {
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls));
 }
 
-KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
+KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
   const std::uint32_t stack = (stack_size + kStackStep - 1) / kStackStep * kStackStep;
   const std::uint32_t light_samples = light_samples_of(settings, features);
-  const bool shares_sky = sky_samples_of(settings, features) > 1 ||
-                          (settings.tries_sky && may_share_sky(settings, features) && tries_sky_cheaply(features));
+  const bool shares_sky =
+      sky_samples_of(settings, features) > 1 ||
+      (settings.kernels.sky_samples && may_share_sky(settings, features) && tries_sky_cheaply(features));
   const bool reuse = reuses_paths(settings) || tries_reuse(settings, features);
   const std::uint32_t sky = shares_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
   if (!settings.specialize) features = generic_features(features);
@@ -49,10 +50,10 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!passes_panes(settings)) features &= ~(gpu::kFeaturePanes | gpu::kFeatureWalls);
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
-  features = (features | settings.added_features) & ~settings.removed_features;
+  features = (features | settings.kernels.added) & ~settings.kernels.removed;
   if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t nets =
-      has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
+      has_whole_nets(settings) || settings.kernels.whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
   // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
   const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
@@ -79,7 +80,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           reuse ? gpu::kReuseQuads : gpu::kReuseNone};
 }
 
-gpu::Feature features_of(const RenderSettings& settings) {
+gpu::Feature features_of(const RenderPlan& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned =
       settings.learns_lights && (settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto);
@@ -89,12 +90,12 @@ gpu::Feature features_of(const RenderSettings& settings) {
   return features | settings.integrator->features(settings);
 }
 
-bool walks_light_tree(const RenderSettings& settings) {
+bool walks_light_tree(const RenderPlan& settings) {
   const bool connects = !takes(*settings.integrator, "techniques") || settings.techniques & gpu::kTechniqueLight;
   return settings.integrator->walks_light_tree && settings.lights != gpu::kLightsPower && connects;
 }
 
-bool passes_panes(const RenderSettings& settings) {
+bool passes_panes(const RenderPlan& settings) {
   return settings.integrator->passes_panes && settings.direct != gpu::kDirectBsdf && settings.max_depth > 1;
 }
 

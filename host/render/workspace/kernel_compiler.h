@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-struct RenderSettings;
+struct RenderPlan;
 
 // Entries of the traversal stack that the tree of nearly every scene gets by with.
 inline constexpr std::uint32_t kExpectedStack = 62;
@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kExpectedStack = 62;
 gpu::Feature generic_features(gpu::Feature scene);
 
 // The configuration for a scene of these features whose tree needs `stack_size` entries, under these settings.
-KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings);
+KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings);
 
 // Where a set for many scenes may be at hand sooner than the one for this scene (as on GPUs, whose drivers take seconds
 // for new kernels but none for those in the pipeline cache), rendering begins with that. CPU drivers compile at the
@@ -30,13 +30,13 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
 bool generic_first(const DeviceInfo& device);
 
 // kFeature bits that the settings ask of kernels, whatever the scene.
-gpu::Feature features_of(const RenderSettings& settings);
+gpu::Feature features_of(const RenderPlan& settings);
 
 // Whether next-event estimation goes by the light tree where a scene has one.
-bool walks_light_tree(const RenderSettings& settings);
+bool walks_light_tree(const RenderPlan& settings);
 
 // Whether shadow rays pass thin smooth panes where a scene has some: a pane costs them a bounce.
-bool passes_panes(const RenderSettings& settings);
+bool passes_panes(const RenderPlan& settings);
 
 class KernelCompiler {
 public:

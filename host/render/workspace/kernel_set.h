@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "kernels/base/features.h"
 
 namespace wavepath {

@@ -7,28 +7,28 @@
 namespace wavepath {
 namespace {
 
-gpu::Feature kernel_features(const PackedScene& scene, const RenderSettings& settings) {
+gpu::Feature kernel_features(const PackedScene& scene, const RenderPlan& settings) {
   return kernel_config(scene.features | features_of(settings), scene.stack_size, settings).features;
 }
 
 } // namespace
 
-bool trains_lights(const PackedScene& scene, const RenderSettings& settings) {
+bool trains_lights(const PackedScene& scene, const RenderPlan& settings) {
   return (kernel_features(scene, settings) & gpu::kFeatureLightRows) != 0 && !scene.light_tree.empty();
 }
 
-bool trains_one_colour(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.learns_sky && sky_samples_of(settings, scene.features) > 1 &&
+bool trains_one_colour(const PackedScene& scene, const RenderPlan& settings) {
+  return settings.training.one_colour && sky_samples_of(settings, scene.features) > 1 &&
          (kernel_features(scene, settings) & gpu::kFeatureLearnedSky) != 0;
 }
 
-bool trains_sky(const PackedScene& scene, const RenderSettings& settings) {
+bool trains_sky(const PackedScene& scene, const RenderPlan& settings) {
   const bool of_map = !scene.environment_ends.empty() && scene.environment_probability > 0.0f && settings.max_depth > 0;
   return (of_map && (kernel_features(scene, settings) & gpu::kFeatureLearnedSky) != 0) ||
          trains_one_colour(scene, settings);
 }
 
-bool trains_light_selection(const PackedScene& scene, const RenderSettings& settings) {
+bool trains_light_selection(const PackedScene& scene, const RenderPlan& settings) {
   return trains_lights(scene, settings) || trains_sky(scene, settings);
 }
 

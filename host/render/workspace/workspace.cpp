@@ -36,7 +36,7 @@ glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::u
 }
 
 // The device's world has `origin` at zero: subtract in double, then round once.
-gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSettings& settings, std::uint32_t slots) {
+gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPlan& settings, std::uint32_t slots) {
   gpu::Frame frame{};
   frame.camera_position = glm::vec3(view.position - scene.origin);
   frame.camera_right = glm::vec3(view.right);
@@ -73,11 +73,11 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
   frame.end_normals = scene.end_normals;
-  if (settings.aperture > 0.0) {
+  if (settings.lens.aperture > 0.0) {
     const bool passes_backs = settings.cull != gpu::kCullNone;
-    frame.lens_radius = static_cast<float>(0.5 * settings.aperture);
+    frame.lens_radius = static_cast<float>(0.5 * settings.lens.aperture);
     frame.focus_distance =
-        static_cast<float>(settings.focus ? *settings.focus : depth_of_middle(scene, view, passes_backs));
+        static_cast<float>(settings.lens.focus ? *settings.lens.focus : depth_of_middle(scene, view, passes_backs));
   }
   return frame;
 }
@@ -90,7 +90,7 @@ std::uint64_t usual_slots(const DeviceInfo& info) {
 
 } // namespace
 
-FilmShape film_shape(const RenderSettings& settings) {
+FilmShape film_shape(const RenderPlan& settings) {
   return {.width = settings.width,
           .height = settings.height,
           .aovs = records_aovs(settings),
@@ -117,12 +117,12 @@ Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t s
       frame_buffer_(device_, sizeof(gpu::Frame)),
       counters_(device_, sizeof(gpu::Counters)) {}
 
-void Workspace::change(const View& view, const RenderSettings& settings) {
+void Workspace::change(const View& view, const RenderPlan& settings) {
   frame = make_frame(scene, view, settings, slots);
   if (on_device->queries) frame.top_level = words_of_address(on_device->queries->address());
 }
 
-bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
+bool Workspace::fit(const RenderPlan& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
   const std::uint64_t places = features & gpu::kFeatureAdaptive ? film.shape().places() : 0;
   moved |= make_room(device, places_buffer_, places * sizeof(std::uint32_t));
@@ -186,7 +186,7 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
   return sets;
 }
 
-std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderSettings& settings) {
+std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderPlan& settings) {
   const std::uint64_t places = film_shape(settings).places();
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "host/render/workspace/device_scene.h"
 #include "host/render/workspace/film_target.h"
 #include "host/render/workspace/nonfinite.h"
@@ -23,10 +23,10 @@ public:
 
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
   // afterwards.
-  void change(const View& view, const RenderSettings& settings);
+  void change(const View& view, const RenderPlan& settings);
   // Makes room for the film and the list of places. `features`: kFeature bits of all kernels that may run. Sends
   // `frame` to the device. Returns whether a buffer that kernels are bound to was replaced.
-  bool fit(const RenderSettings& settings, gpu::Feature features);
+  bool fit(const RenderPlan& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();
   // Adaptive renders: the places of the film (net_layout.h) in the order in which waves visit them. At first that is
@@ -63,11 +63,11 @@ std::vector<Binding> workspace_layout();
 std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own);
 
 // The film of a render.
-FilmShape film_shape(const RenderSettings& settings);
+FilmShape film_shape(const RenderPlan& settings);
 
 // Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a
 // dispatch may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.
 // `features`: kFeature bits of the scene.
-std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderSettings& settings);
+std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderPlan& settings);
 
 } // namespace wavepath

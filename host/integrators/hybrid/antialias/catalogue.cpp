@@ -21,16 +21,16 @@ static_assert(kKinds.size() == kAntialiasNames.size());
 
 std::span<const AntialiasKind* const> antialias_kinds() { return kKinds; }
 
-const AntialiasKind& antialias_kind(const RenderSettings& settings) { return *kKinds[settings.antialias]; }
+const AntialiasKind& antialias_kind(const RenderPlan& settings) { return *kKinds[settings.antialias]; }
 
-std::uint32_t whole_samples(const RenderSettings& settings) {
+std::uint32_t whole_samples(const RenderPlan& settings) {
   return settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
 }
 
-void check_antialias_settings(const RenderSettings& settings) {
+void check_antialias_settings(const RenderPlan& settings) {
   const AntialiasKind& kind = antialias_kind(settings);
   const std::string flag = fmt::format("--antialias {}", kind.name);
-  const bool usual_filter = settings.filter == RenderSettings{}.filter || settings.filter == gpu::kFilterBox;
+  const bool usual_filter = settings.filter == RenderPlan{}.filter || settings.filter == gpu::kFilterBox;
   if (kind.place && !usual_filter)
     throw UsageError("--filter", fmt::format("is not taken by {}", flag), "leave it out");
   const std::uint32_t samples = whole_samples(settings);

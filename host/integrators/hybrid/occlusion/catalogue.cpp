@@ -23,19 +23,19 @@ constexpr std::array<std::string_view, 2> kRare = {"ao-bias", "ao-thinness"}; //
 
 std::span<const OcclusionKind* const> occlusion_kinds() { return kKinds; }
 
-const OcclusionKind* occlusion_kind(const RenderSettings& settings) {
+const OcclusionKind* occlusion_kind(const RenderPlan& settings) {
   const std::string_view name = kOcclusionNames[settings.occlusion];
   const auto found = std::ranges::find_if(kKinds, [&](const OcclusionKind* kind) { return kind->name == name; });
   return found == kKinds.end() ? nullptr : *found;
 }
 
-bool takes_occlusion_setting(const RenderSettings& settings, std::string_view setting) {
+bool takes_occlusion_setting(const RenderPlan& settings, std::string_view setting) {
   if (std::ranges::count(kRare, setting) == 0) return true;
   const OcclusionKind* kind = occlusion_kind(settings);
   return kind && std::ranges::count(kind->settings, setting) > 0;
 }
 
-void check_occlusion_settings(const RenderSettings& settings) {
+void check_occlusion_settings(const RenderPlan& settings) {
   const std::string flag = fmt::format("--occlusion {}", kOcclusionNames[settings.occlusion]);
   for (const std::string_view name : kRare)
     if (!is_default(setting_named(name), settings) && !takes_occlusion_setting(settings, name))

@@ -18,19 +18,19 @@ static_assert(kKinds.size() + 1 == kShadingNames.size());
 
 } // namespace
 
-const ShadingKind* shading_kind(const RenderSettings& settings) {
+const ShadingKind* shading_kind(const RenderPlan& settings) {
   const std::string_view name = kShadingNames[settings.shading];
   const auto found = std::ranges::find_if(kKinds, [&](const ShadingKind* kind) { return kind->name == name; });
   return found == kKinds.end() ? nullptr : *found;
 }
 
-bool takes_shading_setting(const RenderSettings& settings, std::string_view setting) {
+bool takes_shading_setting(const RenderPlan& settings, std::string_view setting) {
   if (std::ranges::count(kShadingSettings, setting) == 0) return true;
   const ShadingKind* kind = shading_kind(settings);
   return kind && std::ranges::count(kind->settings, setting) > 0;
 }
 
-void check_shading_settings(const RenderSettings& settings) {
+void check_shading_settings(const RenderPlan& settings) {
   const std::string model(kShadingNames[settings.shading]);
   if (settings.direct == gpu::kDirectBsdf && settings.shading != kShadingGltf)
     throw UsageError("--direct bsdf", fmt::format("draws directions, which --shading {} does not", model),

@@ -8,11 +8,11 @@
 namespace wavepath {
 
 // Null for the materials' own.
-const ShadingKind* shading_kind(const RenderSettings& settings);
+const ShadingKind* shading_kind(const RenderPlan& settings);
 
 // Whether a setting of local illumination means something to the model chosen; any other setting does.
-bool takes_shading_setting(const RenderSettings& settings, std::string_view setting);
+bool takes_shading_setting(const RenderPlan& settings, std::string_view setting);
 // Throws UsageError if the settings name something that the model does not take.
-void check_shading_settings(const RenderSettings& settings);
+void check_shading_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -3,7 +3,7 @@
 namespace wavepath {
 namespace {
 
-gpu::ShadingFrame shading_frame(const RenderSettings& settings) {
+gpu::ShadingFrame shading_frame(const RenderPlan& settings) {
   gpu::ShadingFrame frame{};
   if (settings.attenuation) {
     frame.attenuation = *settings.attenuation;
@@ -32,8 +32,7 @@ LocalShading::LocalShading(Workspace& workspace, KernelCompiler& kernels, const 
       kind_(kind),
       frame_buffer_(workspace.device, sizeof(gpu::ShadingFrame)) {}
 
-void LocalShading::change(const RenderSettings& settings, const KernelConfig& config,
-                          const std::vector<Binding>& paths) {
+void LocalShading::change(const RenderPlan& settings, const KernelConfig& config, const std::vector<Binding>& paths) {
   need_ = whole_need(*kind_.program, config);
   kernels_.start(need_);
   const gpu::ShadingFrame frame = shading_frame(settings);

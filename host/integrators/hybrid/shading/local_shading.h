@@ -35,7 +35,7 @@ public:
 
   // Takes up settings: begins compiling. `config`: of the path tracer's kernels. `paths`: bindings of the paths'
   // buffers, which outlive this. Nothing is in flight.
-  void change(const RenderSettings& settings, const KernelConfig& config, const std::vector<Binding>& paths);
+  void change(const RenderPlan& settings, const KernelConfig& config, const std::vector<Binding>& paths);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
 

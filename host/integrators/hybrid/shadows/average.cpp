@@ -13,7 +13,7 @@ namespace {
 constexpr double kLift = 1e-3;
 
 std::vector<gpu::ShadowView> views_from_points(const ShadowFit& fit, const ShadowSource& source, const View&,
-                                               const RenderSettings& settings) {
+                                               const RenderPlan& settings) {
   std::vector<gpu::ShadowView> views;
   for (const glm::dvec3& position : lamp_points(source, settings.shadow_taps)) {
     ShadowSource point = source;

@@ -9,7 +9,7 @@ namespace wavepath {
 namespace {
 
 const ShadowMapRecipe kCascadesRecipe = {
-    .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderSettings& settings) {
+    .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderPlan& settings) {
       return cascade_views(fit, source.direction, view, settings.shadow_cascades);
     }};
 constexpr std::array<std::string_view, 4> kCascadesSettings = {"shadow-size", "shadow-bias", "shadow-source",

@@ -26,7 +26,7 @@ static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 std::span<const ShadowKind* const> shadow_kinds() { return kKinds; }
 
-const ShadowKind* shadow_kind(const RenderSettings& settings) {
+const ShadowKind* shadow_kind(const RenderPlan& settings) {
   const std::string_view name = kShadowNames[settings.shadows];
   const auto found = std::ranges::find_if(kKinds, [&](const ShadowKind* kind) { return kind->name == name; });
   return found == kKinds.end() ? nullptr : *found;
@@ -66,13 +66,13 @@ std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedSc
   return light_cover(kind, scene).covered;
 }
 
-bool takes_shadow_setting(const RenderSettings& settings, std::string_view setting) {
+bool takes_shadow_setting(const RenderPlan& settings, std::string_view setting) {
   if (!setting.starts_with("shadow-") || setting == "shadow-samples") return true;
   const ShadowKind* kind = shadow_kind(settings);
   return kind && (setting == "shadow-ambient" || std::ranges::count(kind->settings, setting) > 0);
 }
 
-void check_shadow_settings(const RenderSettings& settings) {
+void check_shadow_settings(const RenderPlan& settings) {
   const std::string technique(kShadowNames[settings.shadows]);
   if (settings.direct == gpu::kDirectBsdf && settings.shadows != kShadowsTraced)
     throw UsageError("--direct bsdf", fmt::format("sends no shadow rays, which --shadows {} is to answer", technique),

@@ -13,7 +13,7 @@ namespace wavepath {
 // All but tracing, in the order of kShadowNames.
 std::span<const ShadowKind* const> shadow_kinds();
 // Null for tracing.
-const ShadowKind* shadow_kind(const RenderSettings& settings);
+const ShadowKind* shadow_kind(const RenderPlan& settings);
 
 // The lights of a scene, under a technique.
 struct LightCover {
@@ -27,8 +27,8 @@ std::string unfit(const ShadowKind& kind, const PackedScene& scene);
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene);
 
 // Whether a setting of shadows means something to the technique chosen.
-bool takes_shadow_setting(const RenderSettings& settings, std::string_view setting);
+bool takes_shadow_setting(const RenderPlan& settings, std::string_view setting);
 // Throws UsageError if the settings name something that the technique does not take.
-void check_shadow_settings(const RenderSettings& settings);
+void check_shadow_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -6,7 +6,7 @@ namespace wavepath {
 namespace {
 
 const ShadowMapRecipe kCubeRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
-                                                 const RenderSettings&) { return cube_views(fit, source.position); }};
+                                                 const RenderPlan&) { return cube_views(fit, source.position); }};
 
 } // namespace
 

@@ -22,9 +22,9 @@ inline constexpr std::array<std::string_view, 4> kFilterableSettings = {"shadow-
 
 // `exponent`: --shadow-exponent unless that is given.
 constexpr ShadowMapRecipe filterable_recipe(double exponent = 0.0) {
-  return {.guard = [](const RenderSettings& settings) { return settings.shadow_blur; },
-          .filtered_bytes = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::vec4)}; },
-          .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::vec4)}; },
+  return {.guard = [](const RenderPlan& settings) { return settings.shadow_blur; },
+          .filtered_bytes = [](const RenderPlan&) { return std::uint64_t{sizeof(gpu::vec4)}; },
+          .scratch_bytes = [](const RenderPlan&) { return std::uint64_t{sizeof(gpu::vec4)}; },
           .passes = kBlurPasses,
           .exponent = exponent};
 }

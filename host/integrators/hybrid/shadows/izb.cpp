@@ -68,7 +68,7 @@ public:
         sources_(context.sources),
         chunks_(make_chunks(context.workspace.scene)) {}
 
-  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+  void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     need_ = whole_need(kIzbProgram, kernel_config(needed_features(workspace_.scene, view, settings),
                                                   workspace_.scene.stack_size, settings));
     kernels_.start(need_);

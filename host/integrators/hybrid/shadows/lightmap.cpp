@@ -85,7 +85,7 @@ public:
     buffers_[kLightmapSources] = upload(workspace_.device, light_sources);
   }
 
-  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+  void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     need_ = whole_need(kLightmapProgram, kernel_config(needed_features(workspace_.scene, view, settings),
                                                        workspace_.scene.stack_size, settings));
     kernels_.start(need_);

@@ -10,7 +10,7 @@ namespace wavepath {
 namespace {
 
 std::vector<gpu::ShadowView> lispsm_views(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                          const RenderSettings& settings) {
+                                          const RenderPlan& settings) {
   return {light_space_perspective_view(fit, source.direction, view, settings.shadow_exponent)};
 }
 const ShadowMapRecipe kLispsmRecipe = {.views = lispsm_views};

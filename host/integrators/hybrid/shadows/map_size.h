@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -13,7 +13,7 @@ namespace wavepath {
 template <class Fits>
 std::uint32_t size_that_fits(std::uint32_t set, Fits fits) {
   constexpr std::uint32_t kStep = 16; // the smallest map
-  if (set != RenderSettings{}.shadow_size) return set;
+  if (set != RenderPlan{}.shadow_size) return set;
   for (std::uint32_t size = set; size >= kStep; size -= kStep)
     if (fits(size)) return size;
   return set;

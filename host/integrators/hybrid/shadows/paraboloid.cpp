@@ -8,7 +8,7 @@ namespace wavepath {
 namespace {
 
 const ShadowMapRecipe kParaboloidRecipe = {
-    .views = [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderSettings&) {
+    .views = [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderPlan&) {
       return paraboloid_views(fit, source.position);
     }};
 

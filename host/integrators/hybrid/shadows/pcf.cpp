@@ -11,7 +11,7 @@ namespace {
 const std::array<KernelCode, 1> kPcfStages = {{{"shadow look-up", wavepath_look_up_pcf_spv}}};
 const KernelProgram kPcfProgram = {kPcfStages, kOnlyStage, shadow_layout};
 const ShadowMapRecipe kPcfRecipe = {.taps = true,
-                                    .guard = [](const RenderSettings& settings) { return settings.shadow_blur; }};
+                                    .guard = [](const RenderPlan& settings) { return settings.shadow_blur; }};
 constexpr std::array<std::string_view, 6> kPcfSettings = {"shadow-size", "shadow-bias",    "shadow-source",
                                                           "shadow-taps", "shadow-pattern", "shadow-blur"};
 

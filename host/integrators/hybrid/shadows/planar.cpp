@@ -86,7 +86,7 @@ public:
     make_pairs();
   }
 
-  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+  void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     need_ = whole_need(kPlanarProgram, kernel_config(needed_features(workspace_.scene, view, settings),
                                                      workspace_.scene.stack_size, settings));
     kernels_.start(need_);
@@ -163,7 +163,7 @@ private:
     buffers_[kPairs] = upload(workspace_.device, pairs_.empty() ? std::vector<gpu::PlanarPair>(1) : pairs_);
   }
 
-  void make_room(const RenderSettings& settings) {
+  void make_room(const RenderPlan& settings) {
     const glm::uvec2 size(settings.width, settings.height);
     if (size == made_for_) return;
     made_for_ = glm::uvec2(0);

@@ -14,7 +14,7 @@ const KernelProgram kProjectedProgram = {kProjectedStages, kOnlyStage, shadow_la
 
 // Of suns all of the scene, whatever the camera sees of it: a picture that is projected has to stay where it is.
 std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const ShadowSource& source, const View&,
-                                                const RenderSettings&) {
+                                                const RenderPlan&) {
   if (source.kind != kDirectionalSource) return usual_views(fit, source);
   ShadowFit whole = fit;
   whole.receivers.clear();
@@ -26,7 +26,7 @@ std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const Shad
 const ShadowMapRecipe kProjectedRecipe = {
     .casters = true,
     .cookie = true,
-    .guard = [](const RenderSettings&) { return -1.0; }, // nothing around the picture, of which look-ups know the edge
+    .guard = [](const RenderPlan&) { return -1.0; }, // nothing around the picture, of which look-ups know the edge
     .views = views_of_projector,
 };
 constexpr std::array<std::string_view, 2> kProjectedSettings = {"shadow-size", "shadow-cookie"};

@@ -7,7 +7,7 @@ namespace wavepath {
 namespace {
 
 std::vector<gpu::ShadowView> psm_views(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                       const RenderSettings&) {
+                                       const RenderPlan&) {
   return {camera_space_view(fit, source.direction, view)};
 }
 const ShadowMapRecipe kPsmRecipe = {.views = psm_views};

@@ -8,7 +8,7 @@ constexpr double kWidestFilter = 1.5; // pixels: radius of the widest filter of 
 
 } // namespace
 
-View with_filter_margin(View view, const RenderSettings& settings) {
+View with_filter_margin(View view, const RenderPlan& settings) {
   view.right *= 1.0 + 2.0 * kWidestFilter / settings.width;
   view.up *= 1.0 + 2.0 * kWidestFilter / settings.height;
   return view;

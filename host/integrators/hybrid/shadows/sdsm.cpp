@@ -55,11 +55,10 @@ void fit_to_frame(const FrameFit& fit) {
 
 const ShadowMapRecipe kSdsmRecipe = {
     .views =
-        [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderSettings& settings) {
+        [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderPlan& settings) {
           return std::vector<gpu::ShadowView>(settings.shadow_cascades, parallel_view(fit, source.direction));
         },
-    .frame_words = [](std::uint32_t views,
-                      const RenderSettings& settings) { return settings.shadow_cascades + 4 * views; },
+    .frame_words = [](std::uint32_t views, const RenderPlan& settings) { return settings.shadow_cascades + 4 * views; },
     .fit_to_frame = fit_to_frame};
 constexpr std::array<std::string_view, 4> kSdsmSettings = {"shadow-size", "shadow-bias", "shadow-source",
                                                            "shadow-cascades"};

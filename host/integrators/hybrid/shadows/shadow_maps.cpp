@@ -115,7 +115,7 @@ public:
         upload(workspace_.device, recipe_.casters ? planes_of(workspace_.scene) : std::vector<gpu::PlanarPair>());
   }
 
-  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+  void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     settings_ = settings;
     const View seen = with_filter_margin(view, settings);
     make_views(seen);
@@ -521,7 +521,7 @@ private:
   KernelCompiler& kernels_;
   std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
-  RenderSettings settings_;
+  RenderPlan settings_;
   std::vector<gpu::ShadowView> views_, usual_views_; // of this frame, before it was fitted to
   std::vector<glm::uvec2> light_views_;              // by light: first view, how many
   KernelNeed need_;

@@ -32,7 +32,7 @@ struct FrameFit {
   std::function<std::vector<std::uint32_t>(std::size_t stage, const std::vector<std::uint32_t>& words,
                                            std::uint32_t parts)>
       reduce;
-  const RenderSettings& settings;
+  const RenderPlan& settings;
   std::vector<gpu::ShadowView>& views; // to be fitted; those of `views` at first
   ShadowReport& report;
 };
@@ -45,18 +45,18 @@ struct ShadowMapRecipe {
   bool ids = false;     // maps hold triangles, besides depths
   bool taps = false;    // look-ups take filter taps
   bool counts = false;  // look-ups count what they answer
-  double (*guard)(const RenderSettings& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
+  double (*guard)(const RenderPlan& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
   // Views of a source; null = usual_views().
   std::vector<gpu::ShadowView> (*views)(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                        const RenderSettings& settings) = nullptr;
+                                        const RenderPlan& settings) = nullptr;
   // Bytes a texel of what the filter makes of the depths, and of what it needs meanwhile; null = there is none.
-  std::uint64_t (*filtered_bytes)(const RenderSettings& settings) = nullptr;
-  std::uint64_t (*scratch_bytes)(const RenderSettings& settings) = nullptr;
+  std::uint64_t (*filtered_bytes)(const RenderPlan& settings) = nullptr;
+  std::uint64_t (*scratch_bytes)(const RenderPlan& settings) = nullptr;
   std::span<const MapPass> passes{}; // of a filter, one after the other
   double exponent = 0.0;             // --shadow-exponent unless that is given
   // Fits the views to every frame anew, from words that it reduces the frame to; how many at most. Null = the views
   // follow from the camera alone. Such a technique has no scratch of its own.
-  std::uint32_t (*frame_words)(std::uint32_t views, const RenderSettings& settings) = nullptr;
+  std::uint32_t (*frame_words)(std::uint32_t views, const RenderPlan& settings) = nullptr;
   void (*fit_to_frame)(const FrameFit& fit) = nullptr;
   // Maps are virtual: only pages are there that stage 1 of the program asks for. Neither ids, nor filters.
   bool pages = false;

@@ -91,7 +91,7 @@ public:
         count_(count),
         chunks_(make_chunks(context.workspace.scene)) {}
 
-  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+  void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     // The far plane of an orthographic camera would cut volumes open.
     if (view.orthographic)
       throw Error(fmt::format("--shadows {}", kShadowNames[settings.shadows]), "needs a camera with perspective",

@@ -7,7 +7,7 @@ namespace wavepath {
 namespace {
 
 std::vector<gpu::ShadowView> tsm_views(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                       const RenderSettings&) {
+                                       const RenderPlan&) {
   return {trapezoidal_view(fit, source.direction, view)};
 }
 const ShadowMapRecipe kTsmRecipe = {.views = tsm_views};

@@ -18,7 +18,7 @@ constexpr std::array<std::size_t, kVssmStageCount> kVssmOrder = {kVssmLookUp, kR
 const KernelProgram kVssmProgram = {kVssmStages, kVssmOrder, shadow_layout};
 constexpr std::array<MapPass, 2> kPasses = {{{kRows, MapPass::Items::lines}, {kColumns, MapPass::Items::lines}}};
 const ShadowMapRecipe kVssmRecipe = {
-    .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; }, .passes = kPasses};
+    .scratch_bytes = [](const RenderPlan&) { return std::uint64_t{4 * sizeof(gpu::uint)}; }, .passes = kPasses};
 constexpr std::array<std::string_view, 4> kVssmSettings = {"shadow-size", "shadow-bias", "shadow-source",
                                                            "shadow-taps"};
 

@@ -19,19 +19,19 @@ static_assert(kKinds.size() + 1 == kTransparencyNames.size());
 
 } // namespace
 
-const TransparencyKind* transparency_kind(const RenderSettings& settings) {
+const TransparencyKind* transparency_kind(const RenderPlan& settings) {
   const std::string_view name = kTransparencyNames[settings.transparency];
   const auto found = std::ranges::find_if(kKinds, [&](const TransparencyKind* kind) { return kind->name == name; });
   return found == kKinds.end() ? nullptr : *found;
 }
 
-bool takes_transparency_setting(const RenderSettings& settings, std::string_view setting) {
+bool takes_transparency_setting(const RenderPlan& settings, std::string_view setting) {
   if (!setting.starts_with("transparency-")) return true;
   const TransparencyKind* kind = transparency_kind(settings);
   return kind && std::ranges::count(kind->settings, setting) > 0;
 }
 
-void check_transparency_settings(const RenderSettings& settings) {
+void check_transparency_settings(const RenderPlan& settings) {
   const TransparencyKind* kind = transparency_kind(settings);
   if (kind && kind->layers && settings.direct == gpu::kDirectBsdf)
     throw UsageError("--direct bsdf",

@@ -8,11 +8,11 @@
 namespace wavepath {
 
 // Null for passing through at random.
-const TransparencyKind* transparency_kind(const RenderSettings& settings);
+const TransparencyKind* transparency_kind(const RenderPlan& settings);
 
 // Whether a setting of transparency means something to the technique chosen; any other setting does.
-bool takes_transparency_setting(const RenderSettings& settings, std::string_view setting);
+bool takes_transparency_setting(const RenderPlan& settings, std::string_view setting);
 // Throws UsageError if the settings name something that the technique does not take.
-void check_transparency_settings(const RenderSettings& settings);
+void check_transparency_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -34,7 +34,7 @@ std::uint64_t layer_bytes_per_pixel(const LayerRecipe& recipe) {
 }
 
 Layers::Layers(Workspace& workspace, const LayerRecipe& recipe, const KernelConfig& config, const LayerFrame& frame,
-               const RenderSettings& settings)
+               const RenderPlan& settings)
     : workspace_(workspace),
       recipe_(recipe),
       layers_(frame.layers),

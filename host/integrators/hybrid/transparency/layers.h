@@ -32,7 +32,7 @@ class Layers {
 public:
   // `config`: of the path tracer's kernels. Throws Error if the device cannot draw or hold it.
   Layers(Workspace& workspace, const LayerRecipe& recipe, const KernelConfig& config, const LayerFrame& frame,
-         const RenderSettings& settings);
+         const RenderPlan& settings);
 
   // Puts the triangles in order for a view.
   void turn_to(const gpu::CameraView& camera);

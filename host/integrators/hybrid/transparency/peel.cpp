@@ -13,7 +13,7 @@ namespace {
 const LayerRecipe kPeelRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
                                  .attachments = kFoundLayer,
                                  .finish = {"peel", wavepath_peel_under_spv},
-                                 .passes = [](const RenderSettings& settings) { return settings.transparency_layers; },
+                                 .passes = [](const RenderPlan& settings) { return settings.transparency_layers; },
                                  .bindings = kFoundLayerBindings};
 constexpr std::array<std::string_view, 1> kPeelSettings = {"transparency-layers"};
 

@@ -14,7 +14,7 @@ const LayerRecipe kRefractiveRecipe = {
     .code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
     .attachments = kFoundLayer,
     .finish = {"refract", wavepath_refract_spv},
-    .passes = [](const RenderSettings&) { return 2u; }, // where rays enter, and leave
+    .passes = [](const RenderPlan&) { return 2u; }, // where rays enter, and leave
     .bindings = kFoundLayerBindings,
     .holds = [](const gpu::Material& material) { return material.transmission > 0.0f; }};
 

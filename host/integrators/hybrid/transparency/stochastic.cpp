@@ -15,7 +15,7 @@ const LayerRecipe kStochasticRecipe = {
     .code = {"layers", wavepath_layer_vert_spv, wavepath_layer_stochastic_frag_spv},
     .attachments = kFoundLayer,
     .finish = {"stochastic mean", wavepath_stochastic_mean_spv},
-    .passes = [](const RenderSettings& settings) { return settings.transparency_samples; },
+    .passes = [](const RenderPlan& settings) { return settings.transparency_samples; },
     .bindings = kFoundLayerBindings};
 constexpr std::array<std::string_view, 1> kStochasticSettings = {"transparency-samples"};
 

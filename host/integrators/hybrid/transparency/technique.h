@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/gpu/raster.h"
-#include "host/render/settings/settings.h"
+#include "host/render/settings/render_plan.h"
 #include "kernels/base/scene_types.h"
 
 namespace wavepath {
@@ -23,7 +23,7 @@ struct LayerRecipe {
   // Makes the layers of what was drawn, pixel by pixel; empty = the first attachment holds them.
   KernelCode finish{};
   // Times that everything is drawn, each followed by `finish`.
-  std::uint32_t (*passes)(const RenderSettings& settings) = [](const RenderSettings&) { return 1u; };
+  std::uint32_t (*passes)(const RenderPlan& settings) = [](const RenderPlan&) { return 1u; };
   std::span<const std::uint32_t> bindings{}; // that attachments are copied to for `finish`, by attachment
   bool (*holds)(const gpu::Material& material) = is_blended;
 };
