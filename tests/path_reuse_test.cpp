@@ -481,7 +481,7 @@ TEST_F(PathReuse, BitsDoNotDependOnWhatKernelsBear) {
     Material wall = plain_material();
     wall.specular = specular;
     RenderPlan made = asked(4), trying = made;
-    made.kernels.reuse = false;
+    made.kernels.reuse = BearsReuse::nowhere;
     const Subject shown = room(parted_room(wall), made);
     const auto alone = render(shown, apart(made)).film, together = render(shown, reusing(made)).film;
     EXPECT_TRUE(*render(shown, apart(trying)).film == *alone);
@@ -512,7 +512,7 @@ TEST_F(PathReuse, IsForPathsThatScatterTwiceByTheCosine) {
   for (const auto& [name, change] : changes) {
     SCOPED_TRACE(name);
     RenderPlan other = settings;
-    other.kernels.reuse = false;
+    other.kernels.reuse = BearsReuse::nowhere;
     change(other);
     EXPECT_FALSE(reuses_paths(other));
     const Subject shown = room(parted_room(plain_material()), other);
@@ -526,7 +526,7 @@ TEST_F(PathReuse, AutoTakesItWhereLightComesByDiffuseSurfaces) {
     settings.width = settings.height = 64;
     settings.max_depth = depth;
     settings.reuse = kReuseAuto;
-    settings.kernels.reuse = false;
+    settings.kernels.reuse = BearsReuse::nowhere;
     const Subject shown = room(scene, settings, {0.0, 0.1, 1.9});
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     SceneOnDevice on_device;

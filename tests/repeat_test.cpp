@@ -1,5 +1,5 @@
-// The plan of a render as users meet it: `repeat` of stats and pictures renders the same bits, --plan takes it over from
-// any file that holds it, info tells it before there is a picture.
+// The plan of a render as users meet it: `repeat` of stats and pictures renders the same bits, --plan takes it over
+// from any file that holds it, info tells it before there is a picture.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +13,7 @@
 #include "host/picture/files/exr.h"
 #include "host/picture/files/picture_io.h"
 #include "tests/gltf_builder.h"
+#include "tests/moving_lamps.h"
 #include "tests/plan_in_stats.h"
 #include "tests/run_wavepath.h"
 #include "tests/vulkan_device.h"
@@ -23,34 +24,6 @@ namespace {
 using Json = nlohmann::json;
 
 const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
-
-// A floor, lit by as many lamps as have a tree, above it a box that moves along x within a second.
-std::string moving_box_under_lamps(const TempFolder& folder, int lamps) {
-  GltfBuilder b;
-  const std::vector<float> square = {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1};
-  const int positions = b.floats("VEC3", square);
-  const int indices = b.accessor("SCALAR", kUshort, std::vector<std::uint16_t>{0, 1, 2, 0, 2, 3});
-  const int floor = b.mesh_node({{"POSITION", positions}}, {{"indices", indices}});
-  const int lid = b.mesh_node({{"POSITION", positions}}, {{"indices", indices}});
-  b.root["nodes"][static_cast<unsigned>(floor)]["scale"] = {4, 1, 4};
-  b.root["nodes"][static_cast<unsigned>(lid)]["translation"] = {0, 0.5, 0};
-  std::vector<int> shown = {floor, lid};
-  Json& lights = b.root["extensions"]["KHR_lights_punctual"]["lights"];
-  for (int i = 0; i < lamps; ++i) {
-    lights.push_back({{"type", "point"}, {"intensity", 1.0 + i % 3}, {"color", {1.0, 0.5 + 0.1 * (i % 5), 0.7}}});
-    shown.push_back(b.add("nodes", {{"translation", {-3.0 + 0.7 * (i % 9), 1.5, -3.0 + 0.9 * (i / 9)}},
-                                    {"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}}));
-  }
-  b.root["extensionsUsed"] = {"KHR_lights_punctual"};
-  const int times = b.floats("SCALAR", {0.0f, 1.0f});
-  const int places = b.floats("VEC3", {0.0f, 0.5f, 0.0f, 1.0f, 0.5f, 0.0f});
-  b.add("animations", {{"name", "slide"},
-                       {"samplers", {{{"input", times}, {"output", places}}}},
-                       {"channels", {{{"sampler", 0}, {"target", {{"node", lid}, {"path", "translation"}}}}}}});
-  b.root["scenes"] = {{{"nodes", shown}}};
-  b.root["scene"] = 0;
-  return folder.write("lamps.glb", b.glb()).string();
-}
 
 struct Case {
   std::string name;
@@ -109,38 +82,36 @@ TEST_P(Repeat, StatsAndPictureGiveACommandThatRendersTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(
     OfEveryKind, Repeat,
-    testing::Values(Case{"box", {kScenes + "cornell_box.gltf", "--size", "256x128", "--spp", "32", "--max-depth", "4"}},
-                    Case{"white_sky",
-                         {kScenes + "showcase.glb", "--size", "128x96", "--spp", "16", "--max-depth", "3", "--env",
-                          "0.5,0.6,0.7", "--eye", "1.5,1.2,3"}},
-                    Case{"map",
-                         {kScenes + "showcase.glb", "--size", "96x72", "--spp", "8", "--max-depth", "3", "--env",
-                          "studio", "--env-rotation", "40"}},
-                    Case{"bulb", {kScenes + "caustics/bulb_point.glb", "--size", "64x48", "--spp", "64", "--max-depth", "5"}},
-                    Case{"lamps", {"LAMPS", "--size", "96x72", "--spp", "16", "--max-depth", "3"}},
-                    Case{"animation",
-                         {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide", "--at",
-                          "0.5"}},
-                    Case{"shutter",
-                         {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide",
-                          "--shutter", "0.2,0.8"}},
-                    Case{"guided",
-                         {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "8", "--max-depth", "4", "--guide"}},
-                    Case{"by_the_clock",
-                         {kScenes + "showcase.glb", "--size", "48x32", "--time", "0.3", "--max-depth", "3", "--env",
-                          "studio"}}),
+    testing::Values(
+        Case{"box", {kScenes + "cornell_box.gltf", "--size", "256x128", "--spp", "32", "--max-depth", "4"}},
+        Case{"white_sky",
+             {kScenes + "showcase.glb", "--size", "128x96", "--spp", "16", "--max-depth", "3", "--env", "0.5,0.6,0.7",
+              "--eye", "1.5,1.2,3"}},
+        Case{"map",
+             {kScenes + "showcase.glb", "--size", "96x72", "--spp", "8", "--max-depth", "3", "--env", "studio",
+              "--env-rotation", "40"}},
+        Case{"bulb", {kScenes + "caustics/bulb_point.glb", "--size", "16x12", "--spp", "4096", "--max-depth", "5"}},
+        Case{"lamps", {"LAMPS", "--size", "96x72", "--spp", "16", "--max-depth", "3"}},
+        Case{"animation",
+             {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide", "--at", "0.5"}},
+        Case{"shutter",
+             {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide", "--shutter",
+              "0.2,0.8"}},
+        Case{"guided", {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "8", "--max-depth", "4", "--guide"}},
+        Case{"by_the_clock",
+             {kScenes + "showcase.glb", "--size", "48x32", "--time", "0.3", "--max-depth", "3", "--env", "studio"}}),
     [](const auto& of) { return of.param.name; });
 
 class PlanFile : public Repeat {};
 
 TEST_F(PlanFile, OfPictureStateAndStatsIsTheSame) {
-  const std::vector<std::string> common = {"render", kScenes + "caustics/bulb_point.glb", "--size", "64x48",
-                                           "--max-depth", "5", "-q"};
+  const std::vector<std::string> common = {
+      "render", kScenes + "caustics/bulb_point.glb", "--size", "16x12", "--max-depth", "5", "-q"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), common.begin(), common.end());
     return more;
   };
-  ASSERT_EQ(run(with({"--spp", "64", "-o", "a.exr", "--checkpoint", "state", "--stats", "stats.json"})).exit_code, 0);
+  ASSERT_EQ(run(with({"--spp", "4096", "-o", "a.exr", "--checkpoint", "state", "--stats", "stats.json"})).exit_code, 0);
   EXPECT_EQ(decision_in(stats(), "integrator")["taken"], "bidirectional");
   EXPECT_EQ(decision_in(stats(), "integrator")["trials"].size(), 3u);
   EXPECT_GT(decision_in(stats(), "integrator")["fraction"].get<double>(), 0.0);

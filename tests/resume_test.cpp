@@ -285,7 +285,7 @@ TEST_F(Resume, RefusesWhatIsNotItsOwn) {
   refused({"--env", "1,1,1"}, "the scene is another");
   refused({"--env", "studio"}, "the scene is another");
   refused({"--ground"}, "the scene is another");
-  refused({"--adaptive"}, "adaptive is on, not auto");
+  refused({"--adaptive"}, "adaptive is on, not off");
   refused({"--spp", "4"}, "has come to sample 8, beyond 4");
   const Outcome unasked = render("x.exr", {"--checkpoint", "state"});
   EXPECT_EQ(unasked.exit_code, 2);

@@ -87,7 +87,7 @@ Scene colourful_floor() {
 // The image begins in one page and ends in the next.
 TEST_F(TexelPages, APictureDoesNotTellWhereItsTexelsLie) {
   Scene scene = colourful_floor();
-  RenderPlan settings{.width = 32, .height = 32, .last_sample = 2, .max_depth = 1};
+  RenderPlan settings = RenderSettings{.width = 32, .height = 32, .last_sample = 2, .max_depth = 1};
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   PackedScene packed = pack(scene);
   ASSERT_EQ(packed.features & gpu::kFeatureTexelPages, 0u);

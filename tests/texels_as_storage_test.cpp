@@ -116,7 +116,7 @@ TEST_F(TexelsAsStorage, AScenePastTheLimitRendersToTheSameBits) {
   ASSERT_GT(packed.texels.size(), few.info().max_texel_elements);
   for (const char* name : {"path", "bidirectional", "hybrid", "whitted"}) {
     SCOPED_TRACE(name);
-    RenderPlan settings{.width = 48, .height = 32, .last_sample = 2, .max_depth = 2};
+    RenderPlan settings = RenderSettings{.width = 48, .height = 32, .last_sample = 2, .max_depth = 2};
     settings.integrator = find_integrator(name);
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const auto film = [&](Device& on) {

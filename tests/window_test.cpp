@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/files/picture_io.h"
+#include "tests/moving_lamps.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/virtual_display.h"
@@ -28,16 +29,17 @@ std::string contents(const std::string& path) {
 // A process of `wavepath view`.
 class View {
 public:
-  View(const VirtualDisplay& display, const std::string& folder, std::vector<std::string> flags)
+  View(const VirtualDisplay& display, const std::string& folder, std::vector<std::string> flags,
+       const std::string& scene = kCornell)
       : display_(display), out_(folder + "/out"), err_(folder + "/err") {
-    flags.insert(flags.begin(), {WAVEPATH_BINARY, "view", kCornell});
+    flags.insert(flags.begin(), {WAVEPATH_BINARY, "view", scene});
     std::vector<char*> pointers;
     for (std::string& flag : flags) pointers.push_back(flag.data());
     pointers.push_back(nullptr);
     child_ = fork();
     if (child_ != 0) return;
-    dup2(open(out_.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
-    dup2(open(err_.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    dup2(open(out_.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), STDOUT_FILENO);
+    dup2(open(err_.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), STDERR_FILENO);
     setenv("DISPLAY", display.name().c_str(), 1);
     unsetenv("WAYLAND_DISPLAY");
     if (chdir(folder.c_str()) == 0) execv(pointers[0], pointers.data());
@@ -135,8 +137,8 @@ protected:
     display_ = std::make_unique<VirtualDisplay>();
   }
   std::string path(const std::string& name) const { return folder_.file(name); }
-  std::unique_ptr<View> view(const std::vector<std::string>& flags) const {
-    return std::make_unique<View>(*display_, folder_.path().string(), flags);
+  std::unique_ptr<View> view(const std::vector<std::string>& flags, const std::string& scene = kCornell) const {
+    return std::make_unique<View>(*display_, folder_.path().string(), flags, scene);
   }
   void render(std::vector<std::string> flags) const {
     flags.insert(flags.begin(), {WAVEPATH_BINARY, "render", kCornell, "-q"});
@@ -240,6 +242,33 @@ TEST_F(Window, FollowsTheHandAndCopiesWhereItIs) {
   window->act({"key", "r"});
   EXPECT_EQ(window->copied(), initial);
   EXPECT_EQ(window->close(), 0);
+}
+
+// What `render` would else find out by pilots, or train: the line says all of it.
+TEST_F(Window, CopiesLinesThatRepeatWhateverLightsTheScene) {
+  const std::string showcase = WAVEPATH_SOURCE_DIR "/scenes/showcase.glb";
+  const TempFolder scenes;
+  const std::string lamps = moving_box_under_lamps(scenes, 40);
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {showcase, {"--env", "studio"}},
+      {showcase, {"--env", "0.5,0.6,0.7"}},
+      {lamps, {}},
+      {lamps, {"--animation", "slide", "--at", "0.5"}},
+      {lamps, {"--lights", "learned"}},
+  };
+  int number = 0;
+  for (const auto& [scene, flags] : cases) {
+    SCOPED_TRACE(number);
+    std::vector<std::string> all = {"--size", "192x176", "--spp", "4", "--max-depth", "2"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    const auto window = view(all, scene);
+    window->done();
+    const std::string line = window->copied();
+    const std::string file = path(std::filesystem::path(scene).stem().string() + "-0001.exr");
+    expect_same_bits(window->saved(file), rendered(line));
+    std::filesystem::remove(file);
+    ++number;
+  }
 }
 
 // Red, green and blue of the columns from `first` on, up to `end`, have the same bits.

@@ -31,8 +31,9 @@ bool needs_identity(const RenderCommandRequest& request) {
 }
 
 // Decisions that a state or another file keeps, where the command goes on from it.
-std::optional<PlanRecord> recorded_plan(const RenderRequest& render) {
-  if (!render.plan_file.empty()) return read_plan(render.plan_file);
+std::optional<PlanRecord> recorded_plan(const RenderCommandRequest& request) {
+  if (request.recorded) return request.recorded;
+  const RenderRequest& render = request.render;
   std::error_code error;
   if (render.state.resume && std::filesystem::exists(render.state.file, error)) return read_plan(render.state.file);
   return std::nullopt;
@@ -97,7 +98,7 @@ Prepared prepare(const RenderCommandRequest& request) {
 void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
   PlanRequest asked{.settings = request.render.settings,
                     .stands_alone = stands_alone(request.render),
-                    .recorded = recorded_plan(request.render),
+                    .recorded = recorded_plan(request),
                     .training_paths = request.render.training_paths,
                     .guide_iterations = request.render.guide_iterations,
                     .fits = [&](const RenderPlan& way) { return prepared.memory->fits(way); }};

@@ -12,6 +12,7 @@
 #include "host/cli/resolve.h"
 #include "host/cli/resume.h"
 #include "host/codecs/picture_module.h"
+#include "host/render/report/plan_file.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -82,6 +83,7 @@ std::optional<Picture> resolve(RenderCommandRequest& request) {
     require_file(request.scene.path);
   else
     check_files(request);
+  if (!request.render.plan_file.empty()) request.recorded = read_plan(request.render.plan_file);
   return read_reference(request);
 }
 

@@ -8,6 +8,7 @@
 
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
+#include "host/plan/record.h"
 #include "host/picture/picture.h"
 
 namespace wavepath {
@@ -17,6 +18,7 @@ struct RenderCommandRequest {
   RenderRequest render;
   OutputRequest output;
   std::string command_line;
+  std::optional<PlanRecord> recorded; // of --plan
 };
 
 // Every file that the command writes.

@@ -13,9 +13,9 @@ namespace wavepath {
 std::string repeat_command(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
   RenderPlan settings = prepared.plan.settings;
   const bool shares_out = result.noise && result.noise->used;
-  const bool is_whole = result.spp == settings.last_sample - settings.first_sample || shares_out;
   const bool by_clock = settings.time_limit > 0.0 || settings.target_error > 0.0;
-  if (!result.even || (shares_out && (by_clock || result.stop != StopReason::samples))) return "";
+  if (shares_out ? by_clock || result.stop != StopReason::samples : !result.even) return "";
+  const bool is_whole = shares_out || result.spp == settings.last_sample - settings.first_sample;
   if (!is_whole && settings.sampler == gpu::kSamplerStratified) return ""; // whose points depend on the samples planned
   if (!is_whole && settings.sample_total == 0) settings.last_sample = settings.first_sample + result.spp;
   if (settings.adaptive == kAdaptiveAuto) settings.adaptive = shares_out ? kAdaptiveOn : kAdaptiveOff;

@@ -109,7 +109,7 @@ void decide_reuse(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* p
   if (pilots) {
     choice = choose_reuse(*pilots, settings);
     settings.reuse = choice.pays ? kReuseOn : kReuseOff;
-    settings.kernels.reuse = choice.kernels.reuse;
+    settings.kernels.reuse = choice.kernels_bear;
   } else {
     RenderPlan trying = settings;
     trying.kernels.reuse = where_to_try_reuse(settings, cpu);
@@ -150,7 +150,7 @@ Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, Pilo
   if (request.training_paths) settings.training.paths = *request.training_paths;
   if (request.guide_iterations) settings.training.guide_iterations = *request.guide_iterations;
   if (request.recorded || request.policy == Policy::as_told) {
-    settings = as_told(settings, request.recorded.has_value() && request.stands_alone);
+    settings = as_told(settings, request.recorded.has_value());
     if (request.recorded)
       for (const auto& [name, value] : request.recorded->values)
         plan.decisions.push_back({.what = setting_named(name).name, .taken = value, .why = "recorded"});

@@ -18,7 +18,7 @@ namespace wavepath {
 // scene alone repeats by itself.
 struct PlanRecord {
   std::vector<std::pair<std::string, std::string>> values; // by name of the setting
-  std::optional<std::uint64_t> training_paths;             // RenderPlan::light_pilot_paths
+  std::optional<std::uint64_t> training_paths;             // Training::paths
   std::optional<std::uint32_t> guide_iterations;
   bool operator==(const PlanRecord&) const = default;
 };

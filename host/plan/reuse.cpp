@@ -32,7 +32,7 @@ const PilotRow* affordable_reuse_pilot(const RenderPlan& settings, bool cpu) {
 
 } // namespace
 
-std::uint32_t where_to_try_reuse(const RenderPlan& settings, bool cpu) {
+BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu) {
   if (settings.reuse != kReuseAuto || !affordable_reuse_pilot(settings, cpu)) return BearsReuse::nowhere;
   return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? BearsReuse::untrained
                                                                                               : BearsReuse::anywhere;
@@ -43,7 +43,7 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   RenderPlan trying = settings;
   trying.kernels.reuse = where_to_try_reuse(settings, cpu);
   if (!tries_reuse(trying, pilots.scene().features)) // a CPU had better not compile others now
-    return {.kernels.reuse = cpu ? settings.kernels.reuse : BearsReuse::nowhere};
+    return {.kernels_bear = cpu ? settings.kernels.reuse : BearsReuse::nowhere};
   trying.training.one_colour =
       settings.training.one_colour && trying.kernels.reuse == BearsReuse::anywhere; // else its training is too long
   const Clock::time_point start = Clock::now();
@@ -57,7 +57,7 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();
   choice.pays = choice.cost < kWorthwhile;
   if (cpu && expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kCpuReuseKernels)
-    choice.kernels.reuse = trying.kernels.reuse;
+    choice.kernels_bear = trying.kernels.reuse;
   choice.seconds = seconds_since(start);
   choice.render_seconds = pilots.render_seconds() - rendered_before;
   choice.pilot = PilotRunner::picture_of(row, settings);

@@ -14,13 +14,13 @@ struct ReuseChoice {
   double render_seconds = 0.0; // of these, rendering alone
   PilotPicture pilot;
   double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
-  // RenderPlan::tries_reuse of the render: in short ones the kernels for pilots serve it, too.
-  std::uint32_t tries_reuse = BearsReuse::nowhere;
+  // KernelCapacity::reuse of the render: in short ones the kernels for pilots serve it, too.
+  BearsReuse kernels_bear = BearsReuse::nowhere;
 };
 
 // In which scenes a render is long enough for pilots, so that kernels for them are worth beginning before the scene is
-// known: for RenderPlan::tries_reuse.
-std::uint32_t where_to_try_reuse(const RenderPlan& settings, bool cpu);
+// known: for KernelCapacity::reuse.
+BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu);
 
 // Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
 // work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none

@@ -15,13 +15,13 @@ struct SkyChoice {
   double render_seconds = 0.0; // of these, rendering alone
   PilotPicture pilot;
   double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
-  // Kernels for pilots serve the render, too (RenderPlan::tries_sky): others are not worth compiling for 1 % of the
+  // Kernels for pilots serve the render, too (KernelCapacity::sky_samples): others are not worth compiling for 1 % of the
   // time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
 };
 
 // Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
-// it is known (RenderPlan::tries_sky).
+// it is known (KernelCapacity::sky_samples).
 bool may_try_sky(const RenderPlan& settings, bool cpu);
 
 // Renders a small picture with one direction a vertex and with four. Light that paths find in the sky makes a part of

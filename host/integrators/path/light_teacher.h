@@ -38,7 +38,7 @@ private:
   KernelCompiler& kernels_;
   Paths& paths_;
   bool learns_ = false;
-  std::uint64_t pilot_paths_ = 0;           // RenderPlan::light_pilot_paths
+  std::uint64_t pilot_paths_ = 0;           // Training::paths
   bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
   LightShares taken_over_;
   KernelNeed need_;

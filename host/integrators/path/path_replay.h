@@ -46,7 +46,7 @@ public:
              KernelCompiler& kernels);
 
   // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
-  // learned (RenderPlan::light_shares).
+  // learned (Training::found).
   // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net = 0);
 

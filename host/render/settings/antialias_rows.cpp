@@ -8,7 +8,7 @@ namespace wavepath {
 
 std::vector<Setting> antialias_rows() {
   return {{.name = "antialias",
-           .value = ChoiceValue{&RenderPlan::antialias, kAntialiasNames},
+           .value = ChoiceValue{&RenderSettings::antialias, kAntialiasNames},
            .meaning = fmt::format("how edges are kept smooth: by the pixel filter over all samples, or as real-time "
                                   "rendering does it: {}",
                                   fmt::join(kAntialiasNames, ", ")),

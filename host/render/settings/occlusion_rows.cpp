@@ -7,7 +7,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderPlan;
+using S = RenderSettings;
 
 constexpr double kMostAoBias = 90.0; // degrees
 

@@ -13,7 +13,7 @@ bool may_reuse_paths(const RenderPlan& settings);
 bool reuses_paths(const RenderPlan& settings);
 
 // Whether kernels for a scene of these kFeature bits are to bear both, since pilots try it
-// (RenderPlan::tries_reuse).
+// (KernelCapacity::reuse).
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene);
 
 } // namespace wavepath

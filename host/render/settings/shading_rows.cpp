@@ -7,7 +7,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderPlan;
+using S = RenderSettings;
 
 constexpr double kMostShininess = 1e5, kMostAttenuation = 1e10, kFarthestCue = 1e15;
 

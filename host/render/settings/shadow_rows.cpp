@@ -11,7 +11,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderPlan;
+using S = RenderSettings;
 
 constexpr std::uint32_t kSmallestMap = 16, kLargestMap = 16384, kMostTaps = 1024, kMostCascades = 8;
 constexpr double kMostShadowBias = 1e6, kMostBlur = 256.0, kMostExponent = 88.0; // exp(88) is the last that floats hold

@@ -5,7 +5,7 @@
 namespace wavepath {
 namespace {
 
-using S = RenderPlan;
+using S = RenderSettings;
 
 constexpr std::uint32_t kMostLayers = 64;
 
