@@ -20,7 +20,7 @@ RenderPlan antialias_settings(std::string_view technique, std::uint32_t samples 
   settings.max_depth = 0; // light that is seen directly
   settings.filter = gpu::kFilterBox;
   settings.last_sample = samples;
-  settings.antialias = index_of(kAntialiasNames, technique);
+  settings.antialias = index_of(kAntialiasTechniques.names(), technique);
   return settings;
 }
 
@@ -66,7 +66,7 @@ protected:
 TEST_F(AntialiasTest, OneColourStaysItself) {
   const glm::vec3 colour(0.3f, 1.7f, 5.1f);
   const Scene scene = half_plane(0.0f, 200.0f, colour);
-  for (const std::string_view name : kAntialiasNames) {
+  for (const std::string_view name : kAntialiasTechniques.names()) {
     const Picture picture = render(scene, antialias_settings(name, 4)).picture;
     for (int c = 0; c < 3; ++c)
       for (const float value : picture.channels[c].values) ASSERT_EQ(value, colour[c]) << name;
@@ -246,7 +246,7 @@ TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
 
 TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
   const Scene scene = half_plane(0.37f, 0.1f);
-  for (const AntialiasKind* kind : antialias_kinds()) {
+  for (const AntialiasKind* kind : kAntialiasTechniques.rows) {
     const RenderPlan settings = antialias_settings(kind->name, 4);
     const RenderResult result = render(scene, settings);
     const bool runs = std::ranges::count(result.stages, "anti-aliasing", &StageTime::name) > 0;
@@ -262,9 +262,8 @@ TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
 }
 
 TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
-  ASSERT_EQ(antialias_kinds().size(), kAntialiasNames.size());
-  for (std::size_t i = 0; i < kAntialiasNames.size(); ++i) EXPECT_EQ(antialias_kinds()[i]->name, kAntialiasNames[i]);
-  EXPECT_EQ(kAntialiasNames[kAntialiasTaaName], "taa");
+  expect_names_of_own(kAntialiasTechniques);
+  EXPECT_EQ(kAntialiasTechniques.names()[kAntialiasTaaName], "taa");
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("supersample", 16)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("msaa", 8)));

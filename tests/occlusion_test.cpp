@@ -4,7 +4,6 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
-#include "host/render/settings/occlusion_settings.h"
 #include "tests/shadow_scene.h"
 
 namespace wavepath::test {
@@ -20,7 +19,7 @@ RenderPlan occlusion_settings(std::string_view technique, double radius = 100.0)
   settings.filter = gpu::kFilterBox;
   settings.ao_samples = 8;
   settings.ao_radius = radius;
-  settings.occlusion = index_of(kOcclusionNames, technique);
+  settings.occlusion = index_of(kOcclusionTechniques.names(), technique);
   return settings;
 }
 
@@ -244,7 +243,7 @@ TEST_F(OcclusionTest, HybridDimsItsAmbientTermByIt) {
   hybrid.max_depth = 2;
   hybrid.ambient = glm::vec3(1.0f);
   hybrid.ao_radius = 0.5;
-  hybrid.occlusion = index_of(kOcclusionNames, "gtao");
+  hybrid.occlusion = index_of(kOcclusionTechniques.names(), "gtao");
   hybrid.aovs = {"ao"};
   RenderPlan ao = hybrid;
   ao.integrator = &kAo;
@@ -269,7 +268,7 @@ TEST_F(OcclusionTest, SendsNoRays) {
   EXPECT_TRUE(has_stage(rays, "occlusion"));
   EXPECT_FALSE(has_stage(rays, "screen-space occlusion"));
   EXPECT_FALSE(rays.occlusion);
-  for (const OcclusionKind* kind : occlusion_kinds()) {
+  for (const OcclusionKind* kind : kOcclusionTechniques.rows) {
     const RenderPlan settings = occlusion_settings(kind->name, 1.0);
     const RenderResult result = render(bodies(), settings);
     EXPECT_FALSE(has_stage(result, "occlusion"));
@@ -286,7 +285,7 @@ TEST_F(OcclusionTest, SendsNoRays) {
 }
 
 TEST_F(OcclusionTest, SameBitsHoweverTheWorkIsCut) {
-  for (const OcclusionKind* kind : occlusion_kinds()) {
+  for (const OcclusionKind* kind : kOcclusionTechniques.rows) {
     RenderPlan settings = occlusion_settings(kind->name, 1.0);
     const std::vector<float> whole = light(bodies(), settings);
     settings.wave_slots = 1024;
@@ -295,13 +294,11 @@ TEST_F(OcclusionTest, SameBitsHoweverTheWorkIsCut) {
 }
 
 TEST(OcclusionSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
-  ASSERT_EQ(occlusion_kinds().size() + 1, kOcclusionNames.size());
-  for (std::size_t i = 0; i < occlusion_kinds().size(); ++i)
-    EXPECT_EQ(occlusion_kinds()[i]->name, kOcclusionNames[i + 1]);
+  expect_names_of_own(kOcclusionTechniques);
   RenderPlan settings = occlusion_settings("hbao");
   settings.ao_bias = 5.0;
   EXPECT_NO_THROW(check_occlusion_settings(settings));
-  settings.occlusion = index_of(kOcclusionNames, "gtao");
+  settings.occlusion = index_of(kOcclusionTechniques.names(), "gtao");
   EXPECT_THROW(check_occlusion_settings(settings), UsageError);
   settings = occlusion_settings("traced");
   settings.ao_thinness = 0.5;

@@ -1,5 +1,9 @@
 // The table of settings against RenderSettings: no member is forgotten, and every row that decides the picture reaches
 // the identity and the copied command, which reads back to the same settings.
+#include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/shading/catalogue.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/render/settings/settings_table.h"
 
 #include <cmath>
@@ -15,10 +19,8 @@
 #include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
-#include "host/render/settings/occlusion_settings.h"
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
-#include "host/render/settings/transparency_settings.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
 #endif
@@ -159,10 +161,10 @@ RenderSettings base_for(const Setting& row) {
     while (!means() && settings.*technique + 1 < count) ++(settings.*technique);
     if (!means()) settings.*technique = 0;
   };
-  turn_to(&RenderSettings::shadows, kShadowNames.size());
-  turn_to(&RenderSettings::shading, kShadingNames.size());
-  turn_to(&RenderSettings::occlusion, kOcclusionNames.size());
-  turn_to(&RenderSettings::transparency, kTransparencyNames.size());
+  turn_to(&RenderSettings::shadows, kShadowTechniques.names().size());
+  turn_to(&RenderSettings::shading, kShadingModels.names().size());
+  turn_to(&RenderSettings::occlusion, kOcclusionTechniques.names().size());
+  turn_to(&RenderSettings::transparency, kTransparencyTechniques.names().size());
   return settings;
 }
 

@@ -19,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 
 RenderPlan shading_settings(std::string_view model, std::string_view interpolation = "phong") {
   RenderPlan settings = shadow_settings("traced", 1024);
-  settings.shading = index_of(kShadingNames, model);
+  settings.shading = index_of(kShadingModels.names(), model);
   settings.interpolation = index_of(kInterpolationNames, interpolation);
   settings.aovs = {"position", "depth"};
   return settings;
@@ -107,7 +107,7 @@ TEST_F(ShadingTest, LambertOfMattSurfacesIsGltf) {
 TEST_F(ShadingTest, ShadowTechniquesAnswerItsRays) {
   const Scene scene = lit_by(spot());
   RenderPlan local = shading_settings("blinn-phong"), gltf = shading_settings("gltf");
-  local.shadows = gltf.shadows = index_of(kShadowNames, "map");
+  local.shadows = gltf.shadows = index_of(kShadowTechniques.names(), "map");
   const std::vector<float> a = light(scene, local), b = light(scene, gltf);
   EXPECT_EQ(false_shares(a, b).total(), 0.0);
   EXPECT_GT(false_shares(light(scene, shading_settings("blinn-phong")), a).total(), 0.0); // it is a map

@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/shadows/cascade_views.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
 
 namespace wavepath::test {
 namespace {
@@ -108,7 +109,7 @@ TEST_F(ShadowTest, FittedCascadesAreNotWastedOnWhatIsHidden) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   RenderPlan settings = shadow_settings("cascades", 128);
   const double planned = false_shares(truth, light(scene, settings)).total();
-  settings.shadows = index_of(kShadowNames, "sdsm");
+  settings.shadows = index_of(kShadowTechniques.names(), "sdsm");
   const double fitted = false_shares(truth, light(scene, settings)).total();
   EXPECT_LT(fitted, 0.5 * planned);
 }

@@ -92,7 +92,7 @@ TEST_F(ShadowComparisonTest, TruthGoesOnWhileTheTechniqueChanges) {
   ShadowComparison comparison(shown, kShadowsTraced);
   finish(comparison, shown);
   settings_.shadow_size = 256;
-  settings_.shadows = index_of(kShadowNames, "pcf");
+  settings_.shadows = index_of(kShadowTechniques.names(), "pcf");
   shown.set_settings(settings_, view_);
   comparison.follow(view_);
   EXPECT_EQ(shown.spp(), 0u);
@@ -110,7 +110,7 @@ TEST_F(ShadowComparisonTest, TruthGoesOnWhileTheTechniqueChanges) {
 
 TEST_F(ShadowComparisonTest, RefusesATechniqueWithoutALight) {
   Progressive shown = begin();
-  EXPECT_THROW(ShadowComparison(shown, index_of(kShadowNames, "cascades")), Error); // there is no sun
+  EXPECT_THROW(ShadowComparison(shown, index_of(kShadowTechniques.names(), "cascades")), Error); // there is no sun
 }
 
 TEST_F(ShadowComparisonTest, DisplayAndFilesAreSplitAtOneColumn) {

@@ -176,7 +176,7 @@ TEST_F(CookieTest, CountsByItsContents) {
 
 TEST_F(CookieTest, RefusesWhatIsNoCookie) {
   RenderPlan settings = with_cookie(2, [](auto, auto) { return 1.0f; });
-  settings.shadows = index_of(kShadowNames, "map");
+  settings.shadows = index_of(kShadowTechniques.names(), "map");
   EXPECT_THROW(check_shadow_settings(settings), UsageError);
   EXPECT_THROW(render(lit_by(sun()), with_cookie(2, [](auto, auto) { return -1.0f; })), Error);
   settings = settings_of("projected");

@@ -9,7 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "host/integrators/hybrid/kind.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/render/render.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
@@ -60,6 +63,24 @@ inline std::vector<glm::vec3> ball(glm::vec3 middle, float radius) {
   return corners;
 }
 
+// Every value of the setting is the name of one technique, in the order of the registry, or of what is built in.
+template <class Kind>
+void expect_names_of_own(const Registry<Kind>& registry) {
+  const std::vector<std::string_view> names = choices_of(setting_named(registry.setting));
+  ASSERT_EQ(names.size(), registry.rows.size() + (registry.built_in.empty() ? 0 : 1));
+  RenderPlan settings;
+  for (std::uint32_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(std::ranges::count(names, names[i]), 1) << names[i];
+    settings.*registry.value = i;
+    EXPECT_EQ(registry.name(settings), names[i]);
+    const Kind* row = registry.find(settings);
+    EXPECT_EQ(row == nullptr, names[i] == registry.built_in) << names[i];
+    if (row) {
+      EXPECT_FALSE(row->summary.empty()) << names[i];
+    }
+  }
+}
+
 inline std::uint32_t index_of(std::span<const std::string_view> names, std::string_view name) {
   return static_cast<std::uint32_t>(std::ranges::find(names, name) - names.begin());
 }
@@ -72,7 +93,7 @@ inline RenderPlan shadow_settings(std::string_view technique, std::uint32_t map_
   settings.last_sample = 1;
   settings.max_depth = 1;
   settings.direct = gpu::kDirectNee;
-  settings.shadows = index_of(kShadowNames, technique);
+  settings.shadows = index_of(kShadowTechniques.names(), technique);
   settings.shadow_size = map_size;
   return settings;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/hybrid/kind.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/path/kind.h"
 #include "host/picture/files/picture_io.h"
 #include "host/render/settings/shadow_settings.h"
@@ -330,7 +331,7 @@ TEST_F(StudyCommand, ScoresShadowTechniques) {
                                        "4", "--vary", "shadows", "--max-depth", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = Json::parse(read("study.json"));
-  EXPECT_EQ(json["configurations"].size() + json["unfit"].size(), kShadowNames.size());
+  EXPECT_EQ(json["configurations"].size() + json["unfit"].size(), kShadowTechniques.names().size());
   EXPECT_EQ(json["configurations"][0]["name"], "traced");
   const std::size_t points = json["configurations"][0]["points"].size();
   for (const Json& configuration : json["configurations"]) {

@@ -9,7 +9,6 @@
 #include "host/base/error.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/settings/transparency_settings.h"
 
 namespace wavepath::test {
 namespace {
@@ -19,7 +18,7 @@ constexpr float kBackground = 0.2f;
 RenderPlan settings_for(std::string_view technique) {
   RenderPlan settings = shadow_settings("traced", 1024);
   settings.width = 64, settings.height = 48;
-  settings.transparency = index_of(kTransparencyNames, technique);
+  settings.transparency = index_of(kTransparencyTechniques.names(), technique);
   return settings;
 }
 
@@ -294,7 +293,7 @@ TEST_F(TransparencyTest, SlabsShiftWhatLiesBeneath) {
   add_instance(scene, add_mesh(scene, rectangle({0, 0, 10}, {0, 0, 10}, {20, 0, 0}), 1));
   add_instance(scene, add_mesh(scene, box({0, 0.6, 0}, {20, 0.4, 20}), 2));
   RenderPlan settings = settings_for("refractive"), paths = settings;
-  paths.transparency = kTransparencyTraced;
+  paths.transparency = index_of(kTransparencyTechniques.names(), "traced");
   paths.integrator = &kPath;
   paths.max_depth = 3;
   settings.width = paths.width = 96, settings.height = paths.height = 72;

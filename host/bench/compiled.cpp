@@ -11,9 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/occlusion_settings.h"
-#include "host/render/settings/shading_settings.h"
-#include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/settings_table.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/workspace/kernel_compiler.h"
 
@@ -37,14 +35,7 @@ std::string number(double value) {
 }
 
 // Techniques that have kernels of their own, by the settings that name them. The first of each needs none.
-struct Techniques {
-  std::string_view setting;
-  std::uint32_t RenderPlan::*value;
-  std::span<const std::string_view> names;
-};
-constexpr std::array<Techniques, 3> kTechniques = {{{"shadows", &RenderPlan::shadows, kShadowNames},
-                                                    {"shading", &RenderPlan::shading, kShadingNames},
-                                                    {"occlusion", &RenderPlan::occlusion, kOcclusionNames}}};
+constexpr std::array<std::string_view, 3> kTechniqueSettings = {"shadows", "shading", "occlusion"};
 
 // The kernels of one integrator for a scene, each set once, however many settings ask for it.
 class Compilation {
@@ -99,12 +90,13 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
     variant.specialize = false;
     compile(compilation, variant, ", generic");
     variant.specialize = true;
-    for (const Techniques& techniques : kTechniques) {
-      if (!takes(*kind, techniques.setting)) continue;
-      RenderPlan chosen = variant;
-      for (std::uint32_t i = 1; i < techniques.names.size(); ++i) {
-        chosen.*techniques.value = i;
-        compile(compilation, chosen, fmt::format(", {} {}", techniques.setting, techniques.names[i]));
+    for (const std::string_view setting : kTechniqueSettings) {
+      if (!takes(*kind, setting)) continue;
+      const Setting& row = setting_named(setting);
+      for (const std::string_view name : choices_of(row)) {
+        RenderPlan chosen = variant;
+        read_setting(row, std::string(name), chosen);
+        if (!is_default(row, chosen)) compile(compilation, chosen, fmt::format(", {} {}", setting, name));
       }
     }
     if (kind != &default_integrator()) continue;

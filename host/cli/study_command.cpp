@@ -30,7 +30,6 @@
 #include "host/integrators/hybrid/shadows/sources.h"
 #include "host/plan/bvh_quality.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/scene/pack/plan.h"
 #include "host/study/page.h"

@@ -23,7 +23,6 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/render/workspace/light_training.h"
 #include "host/scene/pack/features.h"
@@ -278,9 +277,9 @@ void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
       app, group,
       {"--split", "X", "from this share of the width on, 0 to 1, show the shadows of --against; hybrid", "not"},
       [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
-  add_flag(app, group,
-           {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
-           [&](const FlagValue& value) { request.comparison.against = value.choice(kShadowNames); });
+  add_flag(
+      app, group, {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
+      [&](const FlagValue& value) { request.comparison.against = value.choice(choices_of(setting_named("shadows"))); });
   add_flag(app, group,
            {"--frames", "N", "close the window once this many samples per pixel are on screen", "stays open"},
            [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });

@@ -57,7 +57,6 @@ public:
   void submit();
   // Until the device has run it. Afterwards times() is known, and mapped memory that it wrote can be read.
   void wait();
-  bool in_flight() const { return in_flight_; }
   void submit_and_wait() {
     submit();
     wait();

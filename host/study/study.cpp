@@ -20,7 +20,7 @@
 #include "host/render/denoised.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/settings_table.h"
 #include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
@@ -102,7 +102,7 @@ private:
 
   Picture render_light(std::string_view technique, std::uint32_t octave, std::uint32_t rays) {
     RenderPlan settings = shadowed_;
-    settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, technique) - kShadowNames.begin());
+    read_setting(setting_named("shadows"), std::string(technique), settings);
     if (technique != "traced") { // a map of no consequence, whose shadows let all light pass
       settings.shadow_size = 64;
       settings.shadow_ambient = 1.0;

@@ -10,7 +10,6 @@
 
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/shadow_settings.h"
 
 namespace wavepath {
 namespace {
@@ -105,7 +104,7 @@ void show_shadows(PanelState& state, const PanelFacts& facts) {
   ComparisonChoice& comparison = state.comparison;
   label("split screen");
   ImGui::Checkbox("##split", &comparison.split);
-  choice("against", kShadowNames, comparison.against);
+  choice("against", choices_of(setting_named("shadows")), comparison.against);
   if (comparison.split) {
     label("divider");
     auto at = static_cast<float>(comparison.at);

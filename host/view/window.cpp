@@ -13,7 +13,7 @@
 #include "host/base/print.h"
 #include "host/picture/exposure.h"
 #include "host/render/progressive/shadow_comparison.h"
-#include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/settings_table.h"
 #include "host/scene/pack/pick.h"
 #include "host/view/camera_control.h"
 #include "host/view/divider.h"
@@ -188,9 +188,11 @@ void Viewer::draw(double now) {
   adapt_exposure(now - last_draw_);
   judge_shadows();
   const PanelWishes wishes = show_panel(panel_, facts());
-  if (splits())
-    draw_divider(panel_.comparison.at, std::string(kShadowNames[panel_.settings.shadows]),
-                 std::string(kShadowNames[comparison_->against()]));
+  if (splits()) {
+    const Setting& shadows = setting_named("shadows");
+    draw_divider(panel_.comparison.at, text_of(shadows, panel_.settings),
+                 std::string(choices_of(shadows)[comparison_->against()]));
+  }
   overlay_.end();
   act(wishes);
 

@@ -18,7 +18,6 @@
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
-#include "host/render/settings/occlusion_settings.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 #include "kernels/hybrid/composite.spv.h"
@@ -93,19 +92,19 @@ const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
 // How surfaces are seen through, where the scene has such.
 std::uint32_t transparency_flags(const RenderPlan& settings, const PackedScene& scene) {
-  const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
+  const TransparencyKind* kind = settings.integrator->finds_light ? kTransparencyTechniques.find(settings) : nullptr;
   if (!kind) return 0;
   return std::ranges::any_of(scene.materials, kind->layers ? kind->layers->holds : is_blended) ? kind->flag : 0;
 }
 
 // Over time, for smooth edges.
 bool joins_frames(const RenderPlan& settings) {
-  return settings.antialias_over_time || antialias_kind(settings).over_time;
+  return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
 }
 
 // What follows from the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
-  const bool shares = antialias_kind(settings).shares_shading && !joins_frames(settings);
+  const bool shares = kAntialiasTechniques.find(settings)->shares_shading && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared;
@@ -116,7 +115,7 @@ std::uint32_t frame_flags(const RenderPlan& settings) {
 bool traces_occlusion(const RenderPlan& settings) {
   const std::uint32_t flags = frame_flags(settings);
   return flags & gpu::kHybridAmbient &&
-         (settings.occlusion == kOcclusionTraced || (flags & gpu::kHybridLights && !settings.ambient));
+         (!kOcclusionTechniques.find(settings) || (flags & gpu::kHybridLights && !settings.ambient));
 }
 
 std::uint32_t stages_of(const RenderPlan& settings) {
@@ -155,6 +154,12 @@ KernelNeed hybrid_need(const RenderPlan& settings, const KernelConfig& config) {
   if (!settings.aovs.empty()) need.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   return need;
 }
+
+struct Hybrid::Filters { // null = not wanted
+  std::unique_ptr<Denoiser> denoiser;
+  std::unique_ptr<Taa> taa;
+  std::unique_ptr<FrameFilter> each; // by itself
+};
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
@@ -204,7 +209,7 @@ void Hybrid::make_room(const View& view, Past past) {
   const KernelConfig config = kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_);
   need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
-  const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
+  const std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
   const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
@@ -214,15 +219,12 @@ void Hybrid::make_room(const View& view, Past past) {
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
                               settings_.cull << 1 | (rasterizes_ ? 1u : 0u));
-  if (made_for != visibility_made_for_ || moved) {
-    visibility_.reset(); // the device may not hold both at once
-    visibility_made_for_ = glm::u64vec4(0);
-    visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device,
-                                               workspace_.frame_buffer(), buffers_[kFrame], visible_features,
-                                               settings_.width, settings_.height, rasterizes_, settings_.cull);
-    visibility_made_for_ = made_for;
-    moved = true;
-  }
+  if (moved) visibility_.reset();
+  moved |= visibility_.keep(made_for, [&] {
+    return std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
+                                        buffers_[kFrame], visible_features, settings_.width, settings_.height,
+                                        rasterizes_, settings_.cull);
+  });
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   remake_shadows(view, own);
@@ -239,10 +241,9 @@ void Hybrid::make_room(const View& view, Past past) {
 
 void Hybrid::remake_occlusion() {
   piloting_ = false;
-  const OcclusionKind* kind = ambient() ? occlusion_kind(settings_) : nullptr;
+  const OcclusionKind* kind = ambient() ? kOcclusionTechniques.find(settings_) : nullptr;
   if (!kind) return occlusion_.reset();
-  if (!occlusion_ || &occlusion_->kind() != kind)
-    occlusion_ = std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind);
+  occlusion_.keep(kind, [&] { return std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind); });
   occlusion_->change(need_.config, {{gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]},
                                     {gpu::kBindGbuffer, BindingKind::storage, &buffers_[kGbuffer]},
                                     {gpu::kBindSignals, BindingKind::storage, &buffers_[kSignals]}});
@@ -250,29 +251,24 @@ void Hybrid::remake_occlusion() {
 
 void Hybrid::remake_layers(bool moved) {
   const bool wanted = frame_.flags & kAnyLayers;
-  const LayersMadeFor made_for = wanted
-                                     ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(),
-                                                     settings_.width, settings_.height, settings_.transparency_layers}
-                                     : LayersMadeFor{};
-  if (made_for != layers_made_for_ || moved) {
-    layers_.reset(); // the device may not hold both at once
-    layers_made_for_ = {};
-    if (wanted)
-      layers_ = std::make_unique<Layers>(
-          workspace_, *made_for.recipe, made_for.config,
-          LayerFrame{buffers_[kFrame], buffers_[kGbuffer], paths_.buffers[kSeen], buffers_[kLayers]}, settings_);
-    layers_made_for_ = made_for;
-  }
-  if (layers_) layers_->turn_to(camera_);
+  if (!wanted || moved) layers_.reset();
+  if (!wanted) return;
+  const LayersMadeFor made_for{kTransparencyTechniques.find(settings_)->layers, paths_.config(), settings_.width,
+                               settings_.height, settings_.transparency_layers};
+  layers_.keep(made_for, [&] {
+    return std::make_unique<Layers>(
+        workspace_, *made_for.recipe, made_for.config,
+        LayerFrame{buffers_[kFrame], buffers_[kGbuffer], paths_.buffers[kSeen], buffers_[kLayers]}, settings_);
+  });
+  layers_->turn_to(camera_);
 }
 
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
-  const ShadowKind* kind = lights() ? shadow_kind(settings_) : nullptr;
-  if (settings_.shadows != shadows_made_for_) shadows_.reset(); // the device may not hold both at once
-  shadows_made_for_ = settings_.shadows;
+  const ShadowKind* kind = lights() ? kShadowTechniques.find(settings_) : nullptr;
   if (!kind) return shadows_.reset();
-  if (!shadows_)
-    shadows_ = kind->make({*kind->program, workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
+  shadows_.keep(kind, [&] {
+    return kind->make({*kind, workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
+  });
   std::vector<Binding> shared = own;
   shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
   shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
@@ -280,14 +276,16 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
 }
 
 void Hybrid::remake_shading(const std::vector<Binding>& own) {
-  const ShadingKind* kind = lights() ? shading_kind(settings_) : nullptr;
+  const ShadingKind* kind = lights() ? kShadingModels.find(settings_) : nullptr;
   if (!kind) return shading_.reset();
-  if (!shading_ || &shading_->kind() != kind) shading_ = std::make_unique<LocalShading>(workspace_, kernels_, *kind);
+  shading_.keep(kind, [&] { return std::make_unique<LocalShading>(workspace_, kernels_, *kind); });
   shading_->change(settings_, paths_.config(), own);
 }
 
 // Frames of a camera in motion are joined instead.
-bool Hybrid::filters_frames() const { return !joins_frames(settings_) && !antialias_kind(settings_).passes.empty(); }
+bool Hybrid::filters_frames() const {
+  return !joins_frames(settings_) && !kAntialiasTechniques.find(settings_)->passes.empty();
+}
 
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
@@ -295,26 +293,25 @@ void Hybrid::remake_filters(bool moved, Past past) {
                               (filters_frames() ? 4u + settings_.antialias : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
-  if (made_for == filters_made_for_ && !moved) {
-    if (past == Past::keep) return;
-    if (denoiser_) denoiser_->forget();
-    if (taa_) taa_->forget();
-    return;
-  }
-  denoiser_.reset(); // the device may not hold both at once
-  taa_.reset();
-  frame_filter_.reset();
-  filters_made_for_ = glm::uvec4(0);
-  const Buffer& gbuffer = buffers_[kGbuffer];
+  if (moved) filters_.reset();
+  const bool made = filters_.keep(made_for, [&] { return std::make_unique<Filters>(make_filters()); });
+  if (made || past == Past::keep) return;
+  if (filters_->denoiser) filters_->denoiser->forget();
+  if (filters_->taa) filters_->taa->forget();
+}
+
+Hybrid::Filters Hybrid::make_filters() {
+  const Buffer &gbuffer = buffers_[kGbuffer], &seen = paths_.buffers[kSeen];
+  Device& device = workspace_.device;
+  const std::uint32_t width = settings_.width, height = settings_.height;
+  Filters filters;
   if (settings_.denoise != kDenoiseOff)
-    denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
-                                           buffers_[kSignals], frame_.flags);
+    filters.denoiser = std::make_unique<Denoiser>(device, width, height, gbuffer, buffers_[kSignals], frame_.flags);
   if (filters_frames())
-    frame_filter_ = std::make_unique<FrameFilter>(workspace_.device, antialias_kind(settings_).passes, settings_.width,
-                                                  settings_.height, gbuffer, paths_.buffers[kSeen]);
-  if (joins_frames(settings_))
-    taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
-  filters_made_for_ = made_for;
+    filters.each = std::make_unique<FrameFilter>(device, kAntialiasTechniques.find(settings_)->passes, width, height,
+                                                 gbuffer, seen);
+  if (joins_frames(settings_)) filters.taa = std::make_unique<Taa>(device, width, height, gbuffer, seen);
+  return filters;
 }
 
 bool Hybrid::is_ready() {
@@ -332,14 +329,15 @@ double Hybrid::get_ready() {
 }
 
 std::uint64_t Hybrid::bytes() const {
-  return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (frame_filter_ ? frame_filter_->bytes() : 0) +
-         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0);
+  return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
+         (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
+         (filters_->each ? filters_->each->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
+         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
 glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
-  const auto place = antialias_kind(settings_).place;
+  const auto place = kAntialiasTechniques.find(settings_)->place;
   if (place && !settings_.antialias_over_time) return place(sample, whole_samples(settings_));
   if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
     first_jitter_ = sample;
@@ -376,10 +374,10 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (taa_ || frame_filter_) result.antialias = antialias_times_.cost();
+  if (filters_->taa || filters_->each) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (!shadows_) return;
-  const LightCover cover = light_cover(*shadow_kind(settings_), workspace_.scene);
+  const LightCover cover = light_cover(*kShadowTechniques.find(settings_), workspace_.scene);
   result.shadows = {.covered = names_of(cover.covered),
                     .traced = cover.traced,
                     .build = shadow_times_.build.cost(),
@@ -454,10 +452,10 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (occlusion_) occlusion_->submit(queue);
   if (multisamples()) share_shading(queue);
   if (layers_ && !refracts()) layers_->render(queue);
-  if (denoiser_)
-    queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
-                 {.timed_dispatches = denoiser_->dispatches()});
-  const bool filters = taa_ || frame_filter_;
+  if (Denoiser* denoiser = filters_->denoiser.get())
+    queue.submit([&](Commands& commands) { denoiser->record(commands, camera_); },
+                 {.timed_dispatches = denoiser->dispatches()});
+  const bool filters = filters_->taa || filters_->each;
   if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
@@ -486,12 +484,12 @@ void Hybrid::share_shading(WaveQueue& queue) {
 }
 
 void Hybrid::antialias(WaveQueue& queue) {
-  const auto record = [this](Commands& commands) {
-    if (taa_)
-      taa_->record(commands, camera_);
+  const auto record = [&, taa = filters_->taa.get(), each = filters_->each.get()](Commands& commands) {
+    if (taa)
+      taa->record(commands, camera_);
     else
-      frame_filter_->record(commands);
-    commands.copy(taa_ ? taa_->result() : frame_filter_->result(), paths_.buffers[kSeen],
+      each->record(commands);
+    commands.copy(taa ? taa->result() : each->result(), paths_.buffers[kSeen],
                   std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
   };
   queue.submit(record, {.stage = kAntialiasStage});

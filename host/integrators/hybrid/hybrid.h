@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/integrators/hybrid/kept.h"
 #include "host/integrators/hybrid/shading/local_shading.h"
 #include "host/integrators/hybrid/shadows/technique.h"
 #include "host/integrators/hybrid/shadows/times.h"
@@ -25,6 +26,7 @@ namespace wavepath {
 class Denoiser;             // host/integrators/hybrid/denoise.h
 class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
+struct OcclusionKind;       // host/integrators/hybrid/occlusion/technique.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
 // Whether frames have light beyond the direct one, or are nothing but occlusion.
@@ -70,9 +72,11 @@ private:
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
+  struct Filters; // over frames
   void make_frame(const View& view, const RenderPlan& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
+  Filters make_filters();
   void remake_shadows(const View& view, const std::vector<Binding>& own);
   void remake_occlusion();
   void remake_shading(const std::vector<Binding>& own);
@@ -95,29 +99,23 @@ private:
   bool rasterizes_ = true;     // otherwise frames are traced
   bool knows_ambient_ = false; // of frames before
   KernelNeed need_;
-  std::unique_ptr<Visibility> visibility_;
-  glm::u64vec4 visibility_made_for_{0};           // width, height, features, sides and way
+  Kept<Visibility, glm::u64vec4> visibility_;     // by width, height, features, sides and way
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
-  std::unique_ptr<Denoiser> denoiser_;
-  std::unique_ptr<Taa> taa_;
-  std::unique_ptr<FrameFilter> frame_filter_;
   FrameTimes antialias_times_;
-  std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
-  std::uint32_t shadows_made_for_ = 0;       // RenderPlan::shadows
+  Kept<ShadowTechnique, const ShadowKind*> shadows_; // none where rays are traced
   ShadowTimes shadow_times_;
-  std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
-  bool piloting_ = false;                           // until learn()
-  std::unique_ptr<LocalShading> shading_;           // none where materials are glTF's own
+  Kept<ScreenSpaceOcclusion, const OcclusionKind*> occlusion_; // none where rays are traced
+  bool piloting_ = false;                                      // until learn()
+  Kept<LocalShading, const ShadingKind*> shading_;             // none where materials are glTF's own
   struct LayersMadeFor {
     const LayerRecipe* recipe = nullptr;
     KernelConfig config;
     std::uint32_t width = 0, height = 0, layers = 0;
     bool operator==(const LayersMadeFor&) const = default;
   };
-  LayersMadeFor layers_made_for_;
-  std::unique_ptr<Layers> layers_; // none where BLEND surfaces are seen through otherwise
-  glm::uvec4 filters_made_for_{0}; // size, flags, and which
-  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
+  Kept<Layers, LayersMadeFor> layers_; // none where BLEND surfaces are seen through otherwise
+  Kept<Filters, glm::uvec4> filters_;  // by size, flags, and which
+  std::vector<glm::vec2> jitters_;     // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::uint32_t next_sample_ = 0;           // whose frame may share the shading of those before it
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major

@@ -10,6 +10,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/rows.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
@@ -17,9 +18,7 @@
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
-#include "host/render/settings/transparency_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -80,10 +79,11 @@ gpu::Feature features(const RenderPlan&) { return gpu::kFeatureSharedFirstHit; }
 
 // Kernels of light, and of the techniques that stand for a part of it.
 void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings, const KernelConfig& config) {
-  const ShadingKind* shading = shading_kind(settings);
+  const ShadingKind* shading = kShadingModels.find(settings);
   kernels.start({&kPathProgram, shading ? kLocalPathStages : kLightingStages, config});
   if (shading) kernels.start(whole_need(*shading->program, config));
-  if (const ShadowKind* shadows = shadow_kind(settings)) kernels.start(whole_need(*shadows->program, config));
+  if (const ShadowKind* shadows = kShadowTechniques.find(settings))
+    kernels.start(whole_need(*shadows->program, config));
 }
 
 // Those that draw, trace first hits or filter frames are made with their buffers.
@@ -94,7 +94,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     const KernelNeed frame = hybrid_need(settings, config);
     kernels.start(frame);
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
-    const OcclusionKind* occlusion = occlusion_kind(settings);
+    const OcclusionKind* occlusion = kOcclusionTechniques.find(settings);
     if (occlusion && has_ambient(settings)) kernels.start(whole_need(*occlusion->program, frame.config));
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
@@ -103,13 +103,14 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
 }
 
 std::uint64_t layer_bytes(const RenderPlan& settings) {
-  const TransparencyKind* kind = transparency_kind(settings);
+  const TransparencyKind* kind = kTransparencyTechniques.find(settings);
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
 std::uint64_t place_bytes(const RenderPlan& settings) {
-  return antialias_kind(settings).shares_shading ? gpu::kSharingPlaces * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
-                                                 : 0;
+  return kAntialiasTechniques.find(settings)->shares_shading
+             ? gpu::kSharingPlaces * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
+             : 0;
 }
 
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
@@ -120,7 +121,7 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
-  const ShadingKind* shading = shading_kind(settings);
+  const ShadingKind* shading = kShadingModels.find(settings);
   if (!shading) return;
   bias.push_back(fmt::format("surfaces reflect by {}, {}, in the place of their glTF materials (--shading {})",
                              shading->summary, kEvaluated[settings.interpolation], shading->name));
@@ -133,7 +134,7 @@ void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias
 }
 
 void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
-  const TransparencyKind* kind = transparency_kind(settings);
+  const TransparencyKind* kind = kTransparencyTechniques.find(settings);
   if (!kind) return;
   bias.push_back(fmt::format("{} are {} (--transparency {})", kind->subject, kind->summary, kind->name));
   if (!kind->layers) return;
@@ -141,7 +142,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
       fmt::format("light of {} has no shadows, and their ambient term no occlusion "
                   "(--transparency {})",
                   kind->subject, kind->name));
-  if (takes_transparency_setting(settings, "transparency-layers"))
+  if (kTransparencyTechniques.takes(settings, "transparency-layers"))
     bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
                                settings.transparency_layers));
 }
@@ -149,9 +150,9 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
 // Of the frame, whatever it shows.
 void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
-  if (const AntialiasKind& antialias = antialias_kind(settings); antialias.is_biased)
+  if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
-  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+  if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
     bias.push_back(
         fmt::format("ambient occlusion is that of {}, which knows nothing but what the picture shows "
                     "(--occlusion {})",
@@ -170,7 +171,7 @@ std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderRes
   add_common_bias(settings, bias);
   add_shading_bias(settings, bias);
   add_transparency_bias(settings, bias);
-  const ShadowKind* shadows = shadow_kind(settings);
+  const ShadowKind* shadows = kShadowTechniques.find(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
                              shadows->name));
@@ -185,7 +186,7 @@ Json cost_json(const FrameCost& cost) { return {{"median", cost.median}, {"least
 
 Json shadow_json(const RenderPlan& settings, const std::optional<ShadowReport>& shadows) {
   if (!shadows) return nullptr;
-  Json json = {{"technique", shadow_kind(settings)->name},
+  Json json = {{"technique", kShadowTechniques.find(settings)->name},
                {"covered", shadows->covered},
                {"traced", shadows->traced},
                {"views", shadows->views},
@@ -203,11 +204,11 @@ Json shadow_json(const RenderPlan& settings, const std::optional<ShadowReport>& 
 
 Json occlusion_json(const RenderPlan& settings, const std::optional<OcclusionReport>& occlusion) {
   if (!occlusion) return nullptr;
-  return {{"technique", occlusion_kind(settings)->name}, {"ms", cost_json(occlusion->cost)}};
+  return {{"technique", kOcclusionTechniques.find(settings)->name}, {"ms", cost_json(occlusion->cost)}};
 }
 
 Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& cost) {
-  return {{"technique", antialias_kind(settings).name}, {"ms", cost ? cost_json(*cost) : Json()}};
+  return {{"technique", kAntialiasTechniques.find(settings)->name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
 
 void check_frame_settings(const RenderPlan& settings) {
@@ -216,11 +217,12 @@ void check_frame_settings(const RenderPlan& settings) {
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
-  return settings.denoise != kDenoiseOff || occlusion_kind(settings) || antialias_kind(settings).is_biased;
+  return settings.denoise != kDenoiseOff || kOcclusionTechniques.find(settings) ||
+         kAntialiasTechniques.find(settings)->is_biased;
 }
 
 std::string unfit_shadows(const RenderPlan& settings, const PackedScene& scene) {
-  const ShadowKind* shadows = shadow_kind(settings);
+  const ShadowKind* shadows = kShadowTechniques.find(settings);
   return shadows ? unfit(*shadows, scene) : "";
 }
 
@@ -233,7 +235,7 @@ std::vector<std::string> ao_bias(const RenderPlan& settings, const RenderResult&
 std::vector<OmittedStage> always_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with all first hits and end with composite"}};
-  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+  if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
     omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at depths; rays find the ambient radiance "
                                                      "alone, where --ambient does not give it",
                                                      occlusion->name)});
@@ -244,7 +246,7 @@ std::vector<OmittedStage> always_omitted(const RenderPlan& settings) {
 std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
-  if (shading_kind(settings))
+  if (kShadingModels.find(settings))
     omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
@@ -263,8 +265,8 @@ Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderRes
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
-          {"shading", kShadingNames[settings.shading]},
-          {"transparency", kTransparencyNames[settings.transparency]},
+          {"shading", kShadingModels.name(settings)},
+          {"transparency", kTransparencyTechniques.name(settings)},
           {"shadows", shadow_json(settings, result.shadows)},
           {"occlusion", occlusion_json(settings, result.occlusion)},
           {"antialias", antialias_json(settings, result.antialias)}};
@@ -278,8 +280,8 @@ void check(const RenderPlan& settings) {
 }
 
 bool means(const RenderPlan& settings, std::string_view setting) {
-  return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting) &&
-         takes_shading_setting(settings, setting) && takes_transparency_setting(settings, setting);
+  return kShadowTechniques.takes(settings, setting) && kOcclusionTechniques.takes(settings, setting) &&
+         kShadingModels.takes(settings, setting) && kTransparencyTechniques.takes(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -295,6 +297,7 @@ constinit const IntegratorKind kHybrid = {
     .aovs = kAovs,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
+    .rows = technique_rows,
     .check = check,
     .means = means,
     .unfit = unfit_shadows,
@@ -308,7 +311,8 @@ constinit const IntegratorKind kHybrid = {
     .is_biased =
         [](const RenderPlan& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
-                 shadow_kind(settings) || shading_kind(settings) || transparency_kind(settings);
+                 kShadowTechniques.find(settings) || kShadingModels.find(settings) ||
+                 kTransparencyTechniques.find(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
@@ -326,7 +330,8 @@ constinit const IntegratorKind kAo = {
     .walks_light_tree = false,
     .first_hit_stages = kFirstHitStages,
     .check = check_frame_settings,
-    .means = takes_occlusion_setting,
+    .means = [](const RenderPlan& settings,
+                std::string_view setting) { return kOcclusionTechniques.takes(settings, setting); },
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,

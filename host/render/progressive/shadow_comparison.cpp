@@ -47,7 +47,7 @@ RenderPlan ShadowComparison::truth_settings() const {
 // A map of which all light passes: the smallest would do, and the cheapest technique.
 RenderPlan ShadowComparison::light_settings() const {
   RenderPlan settings = shown_.settings();
-  settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, "map") - kShadowNames.begin());
+  read_setting(setting_named("shadows"), "map", settings);
   settings.shadow_size = 64;
   settings.shadow_bias = RenderPlan{}.shadow_bias;
   settings.shadow_bias_amount.reset();

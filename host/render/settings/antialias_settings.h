@@ -1,15 +1,10 @@
-// The names of techniques of anti-aliasing: values of --antialias.
+// What is known of techniques of anti-aliasing without knowing one.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <string_view>
 
 namespace wavepath {
 
-// host/integrators/hybrid/antialias has a file for each.
-inline constexpr std::array<std::string_view, 7> kAntialiasNames = {"filter", "none", "supersample", "fxaa",
-                                                                    "smaa",   "taa",  "msaa"};
-inline constexpr std::uint32_t kAntialiasFilterName = 0, kAntialiasTaaName = 5;
+inline constexpr std::uint32_t kAntialiasTaaName = 5; // of --antialias: joins frames to those before
 
 } // namespace wavepath

@@ -23,6 +23,7 @@ struct PackedScene;
 struct ScenePlan;
 struct RayCounts;
 struct RenderResult;
+struct Setting;
 
 // A stage or buffer that the integrator leaves out, and why, for the report.
 struct OmittedStage {
@@ -50,6 +51,8 @@ struct IntegratorKind {
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
 
+  // Rows that it adds to the table of settings, which others may take as well. Null = none.
+  std::vector<Setting> (*rows)() = nullptr;
   // Throws UsageError where values of its settings do not go together; null = they always do.
   void (*check)(const RenderPlan& settings) = nullptr;
   // Whether a setting that it takes means something beside the others; null = it does.

@@ -73,12 +73,12 @@ struct RenderSettings {
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
   // Metres, 0 = unlimited; empty: a tenth of the scene's radius, but unlimited for ao by rays.
   std::optional<double> ao_radius;
-  std::uint32_t occlusion = 0;              // technique: of kOcclusionNames (occlusion_settings.h)
-  std::uint32_t antialias = 0;              // technique: of kAntialiasNames (antialias_settings.h)
+  std::uint32_t occlusion = 0;              // technique: of kOcclusionTechniques
+  std::uint32_t antialias = 0;              // technique: of kAntialiasTechniques
   double ao_bias = 10.0;                    // degrees over the tangent plane up to which nothing occludes
   double ao_thinness = 0.0;                 // share by which what is seen behind a body lowers its horizon
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
-  std::uint32_t shadows = 0;                // technique: of kShadowNames (shadow_settings.h)
+  std::uint32_t shadows = 0;                // technique: of kShadowTechniques
   std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
   std::uint32_t shadow_bias = 1;            // of kShadowBiasNames
   std::optional<double> shadow_bias_amount; // in texels' width; empty = the kind's own
@@ -91,12 +91,12 @@ struct RenderSettings {
   std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
   std::string shadow_cookie;                // file of a picture that lights are shone through; empty = none
   double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
-  std::uint32_t shading = 0;                // how first hits reflect: of kShadingNames (shading_settings.h)
+  std::uint32_t shading = 0;                // how first hits reflect: of kShadingModels
   std::uint32_t interpolation = 2;          // where that is evaluated: of kInterpolationNames
   std::optional<double> shininess;          // exponent of highlights; empty = from the material's roughness
   std::optional<glm::vec3> attenuation;     // 1 / (x + y d + z d^2) at distance d of a light; empty = 1 / d^2
   std::optional<glm::vec2> depth_cue;       // depths between which surfaces fade into the background; empty = none
-  std::uint32_t transparency = 0;           // of BLEND surfaces: of kTransparencyNames (transparency_settings.h)
+  std::uint32_t transparency = 0;           // of BLEND surfaces: of kTransparencyTechniques
   std::uint32_t transparency_layers = 4;    // that are peeled off
   std::uint32_t transparency_samples = 8;   // of stochastic transparency, for every sample of a pixel
   std::uint32_t branching = kBranchingTree;

@@ -7,15 +7,10 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/render/settings/antialias_rows.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
-#include "host/render/settings/occlusion_rows.h"
 #include "host/render/settings/path_reuse.h"
-#include "host/render/settings/shading_rows.h"
-#include "host/render/settings/shadow_rows.h"
-#include "host/render/settings/transparency_rows.h"
 
 namespace wavepath {
 namespace {
@@ -442,10 +437,11 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part :
-       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows(), occlusion_rows(),
-        antialias_rows(), shading_rows(), transparency_rows()})
+  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
+  for (const IntegratorKind* kind : integrators())
+    if (kind->rows)
+      for (Setting& row : kind->rows()) rows.push_back(std::move(row));
   return rows;
 }
 

@@ -1,5 +1,5 @@
-// The names of shadow techniques and of their choices: values of --shadows, --shadow-bias, --shadow-pattern and
-// --shadow-source.
+// What is known of shadow techniques without knowing one: values of --shadow-bias, --shadow-pattern and
+// --shadow-source, and what techniques mean for the estimate of direct light.
 #pragma once
 
 #include <array>
@@ -10,12 +10,7 @@ namespace wavepath {
 
 struct RenderPlan;
 
-// The first one traces rays; host/integrators/hybrid/shadows has a file for each of the others.
-inline constexpr std::array<std::string_view, 26> kShadowNames = {
-    "traced",     "map",     "map-id", "pcf",      "pcss",     "vsm",       "esm",   "evsm", "moment",
-    "vssm",       "average", "leak",   "cascades", "sdsm",     "lispsm",    "tsm",   "psm",  "cube",
-    "paraboloid", "virtual", "izb",    "planar",   "lightmap", "projected", "zpass", "zfail"};
-inline constexpr std::uint32_t kShadowsTraced = 0;
+inline constexpr std::uint32_t kShadowsTraced = 0; // of --shadows; techniques are the others
 // By kBias and kPattern constant of kernels/hybrid/shadows/shadow_types.h.
 inline constexpr std::array<std::string_view, 7> kShadowBiasNames = {"constant", "slope",        "normal",  "plane",
                                                                      "cone",     "second-depth", "midpoint"};

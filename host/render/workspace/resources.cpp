@@ -13,7 +13,8 @@ bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
 
 bool BufferSet::fit(const Extent& extent) {
   bool moved = false;
-  for (std::size_t i = 0; i < rules_.size(); ++i) moved |= make_room(*device_, buffers_[i], rules_[i].bytes(extent));
+  for (std::size_t i = 0; i < rules_.size(); ++i)
+    if (rules_[i].bytes) moved |= make_room(*device_, buffers_[i], rules_[i].bytes(extent));
   return moved;
 }
 

@@ -27,7 +27,8 @@ struct BufferView {
 
 struct BufferRule {
   const char* name;
-  std::uint64_t (*bytes)(const Extent&); // 0 = not needed: kernels are bound to a stand-in
+  // 0 = not needed: kernels are bound to a stand-in. Null = the owner makes the buffer itself.
+  std::uint64_t (*bytes)(const Extent&);
   std::vector<BufferView> views;
 };
 

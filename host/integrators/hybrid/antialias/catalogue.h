@@ -1,19 +1,17 @@
-// The technique of anti-aliasing that settings name, and what it refuses.
+// The registry of techniques of anti-aliasing, what they refuse, and their row in the table of settings.
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "host/integrators/hybrid/antialias/technique.h"
-#include "host/render/settings/render_plan.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-// In the order of kAntialiasNames.
-std::span<const AntialiasKind* const> antialias_kinds();
-const AntialiasKind& antialias_kind(const RenderPlan& settings);
+extern const Registry<AntialiasKind> kAntialiasTechniques;
 
-// Samples that the whole render is to have of every pixel.
-std::uint32_t whole_samples(const RenderPlan& settings);
+std::vector<Setting> antialias_rows();
+
 // Throws UsageError if other settings do not go with it.
 void check_antialias_settings(const RenderPlan& settings);
 

@@ -1,16 +1,13 @@
-// The techniques there are, one constant a file of this folder.
+// The techniques of anti-aliasing there are, in the order of --antialias. Each is a constant in a file of its own in
+// this folder: kAntialiasFilter in filter.cpp.
 #pragma once
 
 #include "host/integrators/hybrid/antialias/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-extern const AntialiasKind kAntialiasFilter;      // filter.cpp
-extern const AntialiasKind kAntialiasNone;        // none.cpp
-extern const AntialiasKind kAntialiasSupersample; // supersample.cpp
-extern const AntialiasKind kAntialiasMsaa;        // msaa.cpp
-extern const AntialiasKind kAntialiasFxaa;        // fxaa.cpp
-extern const AntialiasKind kAntialiasSmaa;        // smaa.cpp
-extern const AntialiasKind kAntialiasTaa;         // taa.cpp
+WAVEPATH_ROWS(AntialiasKind, kAntialiasKinds, kAntialiasFilter, kAntialiasNone, kAntialiasSupersample, kAntialiasFxaa,
+              kAntialiasSmaa, kAntialiasTaa, kAntialiasMsaa);
 
 } // namespace wavepath

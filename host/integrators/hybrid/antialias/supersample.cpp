@@ -7,9 +7,18 @@
 namespace wavepath {
 namespace {
 
-glm::vec2 place_of(std::uint32_t sample, std::uint32_t total) {
-  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(total))));
-  return place_in_grid(sample, side);
+std::uint32_t side_of(std::uint32_t samples) {
+  return static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(samples))));
+}
+
+glm::vec2 place_of(std::uint32_t sample, std::uint32_t total) { return place_in_grid(sample, side_of(total)); }
+
+void check_square(const RenderPlan& settings) {
+  const std::uint32_t samples = whole_samples(settings), side = side_of(samples);
+  if (side * side != samples)
+    throw UsageError("--antialias supersample",
+                     fmt::format("has a grid of NxN places, and {} samples make none", samples),
+                     fmt::format("give --spp {}", side * side));
 }
 
 } // namespace
@@ -17,6 +26,6 @@ glm::vec2 place_of(std::uint32_t sample, std::uint32_t total) {
 constinit const AntialiasKind kAntialiasSupersample = {.name = "supersample",
                                                        .summary = "the mean of a regular grid of places in the pixel",
                                                        .place = place_of,
-                                                       .wants_square = true};
+                                                       .check = check_square};
 
 } // namespace wavepath

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/gpu/kernel.h"
+#include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
@@ -17,12 +18,17 @@ struct AntialiasKind {
   std::string_view summary;
   // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random place of the pixel filter.
   glm::vec2 (*place)(std::uint32_t sample, std::uint32_t total) = nullptr;
-  bool wants_square = false;            // the number of samples
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
   bool shares_shading = false;          // frames of kSharingPlaces places, see kHybridMultisample
   bool over_time = false;               // joins frames to those before
   bool is_biased = true;
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
+
+// Samples that the whole render is to have of every pixel.
+inline std::uint32_t whole_samples(const RenderPlan& settings) {
+  return settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+}
 
 inline glm::vec2 pixel_centre(std::uint32_t, std::uint32_t) { return glm::vec2(0.0f); }
 

@@ -1,22 +1,19 @@
-// The occlusion technique that settings name, and what it refuses.
+// The registry of occlusion techniques, what they refuse, and their rows in the table of settings.
 #pragma once
 
-#include <span>
-#include <string_view>
+#include <vector>
 
 #include "host/integrators/hybrid/occlusion/technique.h"
-#include "host/render/settings/render_plan.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-// All but tracing, in the order of kOcclusionNames.
-std::span<const OcclusionKind* const> occlusion_kinds();
-// Null for tracing.
-const OcclusionKind* occlusion_kind(const RenderPlan& settings);
+// Rays are built in.
+extern const Registry<OcclusionKind> kOcclusionTechniques;
 
-// Whether a setting of occlusion means something to the technique chosen.
-bool takes_occlusion_setting(const RenderPlan& settings, std::string_view setting);
-// Throws UsageError if the settings name something that the technique does not take.
+std::vector<Setting> occlusion_rows();
+
+// Throws UsageError if settings do not go with the technique that they name.
 void check_occlusion_settings(const RenderPlan& settings);
 
 } // namespace wavepath

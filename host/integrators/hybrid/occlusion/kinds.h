@@ -1,12 +1,12 @@
-// The techniques there are, one constant a file of this folder.
+// The occlusion techniques there are, in the order of --occlusion. Each is a constant in a file of its own in this
+// folder: kOcclusionSsao in ssao.cpp.
 #pragma once
 
 #include "host/integrators/hybrid/occlusion/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-extern const OcclusionKind kOcclusionSsao; // ssao.cpp
-extern const OcclusionKind kOcclusionHbao; // hbao.cpp
-extern const OcclusionKind kOcclusionGtao; // gtao.cpp
+WAVEPATH_ROWS(OcclusionKind, kOcclusionKinds, kOcclusionSsao, kOcclusionHbao, kOcclusionGtao);
 
 } // namespace wavepath

@@ -29,7 +29,6 @@ public:
   // Submits what turns the G-buffer of the frame into the unoccluded share, the w of its signals.
   void submit(WaveQueue& queue);
 
-  const OcclusionKind& kind() const { return kind_; }
   FrameCost cost() const { return times_.cost(); }
 
 private:

@@ -12,8 +12,9 @@ namespace wavepath {
 struct OcclusionKind {
   std::string_view name; // value of --occlusion
   std::string_view summary;
-  std::span<const std::string_view> settings{}; // that it takes besides ao-samples and ao-radius
-  const KernelProgram* program = nullptr;       // of one stage, with screen_space_layout()
+  std::span<const std::string_view> settings{};        // that it takes besides ao-samples and ao-radius
+  const KernelProgram* program = nullptr;              // of one stage, with screen_space_layout()
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 
 } // namespace wavepath

@@ -1,18 +1,19 @@
-// The model of local illumination that settings name, and what it refuses.
+// The registry of models of local illumination, what they refuse, and their rows in the table of settings.
 #pragma once
 
-#include <string_view>
+#include <vector>
 
 #include "host/integrators/hybrid/shading/local_shading.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-// Null for the materials' own.
-const ShadingKind* shading_kind(const RenderPlan& settings);
+// The materials' own reflection is built in.
+extern const Registry<ShadingKind> kShadingModels;
 
-// Whether a setting of local illumination means something to the model chosen; any other setting does.
-bool takes_shading_setting(const RenderPlan& settings, std::string_view setting);
-// Throws UsageError if the settings name something that the model does not take.
+std::vector<Setting> shading_rows();
+
+// Throws UsageError if settings do not go with the model that they name.
 void check_shading_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -19,8 +19,9 @@ namespace wavepath {
 struct ShadingKind {
   std::string_view name; // value of --shading
   std::string_view summary;
-  std::span<const std::string_view> settings{}; // that it takes
-  const KernelProgram* program = nullptr;       // its only stage shades; the layout is local_layout()
+  std::span<const std::string_view> settings{};        // that it takes
+  const KernelProgram* program = nullptr;              // its only stage shades; the layout is local_layout()
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 
 // Path tracing needs no more of its stages from such a first hit on.
@@ -42,7 +43,6 @@ public:
   // Records the shading of the wave's first hits, as kShade leaves them: light seen, and the queue of shadow rays.
   void record(Commands& commands, std::size_t band, const gpu::Wave& wave);
 
-  const ShadingKind& kind() const { return kind_; }
   std::uint64_t bytes() const { return frame_buffer_.bytes(); }
 
 private:

@@ -46,7 +46,8 @@ constinit const ShadowKind kShadowAverage = {
     .sources = kAreaSources,
     .settings = kAverageSettings,
     .program = &kAverageProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kAverageRecipe, context); },
+    .maps = &kAverageRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

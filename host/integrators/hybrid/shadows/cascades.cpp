@@ -23,7 +23,8 @@ constinit const ShadowKind kShadowCascades = {
     .sources = kDirectionalSource,
     .settings = kCascadesSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kCascadesRecipe, context); },
+    .maps = &kCascadesRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -1,19 +1,19 @@
-// The shadow technique that settings name, what it covers of a scene, and what it refuses.
+// The registry of shadow techniques, what they cover of a scene, what they refuse, and their rows in the table of
+// settings.
 #pragma once
 
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "host/integrators/hybrid/shadows/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-// All but tracing, in the order of kShadowNames.
-std::span<const ShadowKind* const> shadow_kinds();
-// Null for tracing.
-const ShadowKind* shadow_kind(const RenderPlan& settings);
+// Rays are built in.
+extern const Registry<ShadowKind> kShadowTechniques;
+
+std::vector<Setting> shadow_rows();
 
 // The lights of a scene, under a technique.
 struct LightCover {
@@ -26,9 +26,7 @@ std::string unfit(const ShadowKind& kind, const PackedScene& scene);
 // Throws Error if there are none.
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene);
 
-// Whether a setting of shadows means something to the technique chosen.
-bool takes_shadow_setting(const RenderPlan& settings, std::string_view setting);
-// Throws UsageError if the settings name something that the technique does not take.
+// Throws UsageError if settings do not go with the technique that they name.
 void check_shadow_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -16,7 +16,8 @@ constinit const ShadowKind kShadowCube = {
     .sources = kPointSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kCubeRecipe, context); },
+    .maps = &kCubeRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

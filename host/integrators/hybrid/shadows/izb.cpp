@@ -9,10 +9,10 @@
 #include "host/base/error.h"
 #include "host/integrators/hybrid/shadows/kinds.h"
 #include "host/integrators/hybrid/shadows/light_cells.h"
+#include "host/integrators/hybrid/shadows/look_up_technique.h"
 #include "host/integrators/hybrid/shadows/map_size.h"
 #include "host/integrators/hybrid/shadows/scene_fit.h"
 #include "host/integrators/hybrid/shadows/times.h"
-#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/shadows/izb_answer.spv.h"
 #include "kernels/hybrid/shadows/izb_list.spv.h"
 #include "kernels/hybrid/shadows/izb_test.spv.h"
@@ -30,29 +30,15 @@ const std::array<KernelCode, kIzbStageCount> kIzbStages = {{{kShadowLookUpStage,
                                                             {kShadowLookUpStage, wavepath_izb_answer_spv}}};
 constexpr std::array<std::size_t, kIzbStageCount> kIzbOrder = {kTest, kAnswer, kList};
 
-enum IzbBuffer : std::size_t { kIzbFrameData, kIzbViews, kIzbLightViews, kCells, kLinks, kItems, kIzbBufferCount };
-struct IzbBinding {
-  std::uint32_t slot;
-  BindingKind kind;
-  IzbBuffer buffer;
-};
-constexpr std::array<IzbBinding, kIzbBufferCount> kIzbBindings = {
-    {{gpu::kBindShadowFrame, uniform, kIzbFrameData},
-     {gpu::kBindShadowViews, texels_rgba32f, kIzbViews},
-     {gpu::kBindShadowLights, texels_rg32ui, kIzbLightViews},
-     {gpu::kBindIzbCells, storage, kCells},
-     {gpu::kBindIzbLinks, storage, kLinks},
-     {gpu::kBindIzbItems, texels_rgba32ui, kItems}}};
+enum IzbBuffer : std::size_t { kIzbFrameData, kIzbViews, kIzbLightViews, kCells, kLinks, kItems };
+const std::vector<BufferRule> kIzbRules = {{"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
+                                           {"views", nullptr, {{gpu::kBindShadowViews, texels_rgba32f}}},
+                                           {"lights", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
+                                           {"cells", nullptr, {{gpu::kBindIzbCells, storage}}},
+                                           {"links", nullptr, {{gpu::kBindIzbLinks, storage}}},
+                                           {"items", nullptr, {{gpu::kBindIzbItems, texels_rgba32ui}}}};
 
-std::vector<Binding> izb_layout() {
-  std::vector<Binding> layout = path_layout();
-  for (const IzbBinding& binding : kIzbBindings) layout.push_back({binding.slot, binding.kind, nullptr});
-  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
-  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
-  return layout;
-}
-
-const KernelProgram kIzbProgram = {kIzbStages, kIzbOrder, izb_layout};
+const KernelProgram kIzbProgram = {kIzbStages, kIzbOrder, [] { return look_up_layout(kIzbRules); }};
 
 std::uint64_t shadow_rays(const std::vector<Binding>& shared) {
   for (const Binding& binding : shared)
@@ -60,33 +46,21 @@ std::uint64_t shadow_rays(const std::vector<Binding>& shared) {
   return 0;
 }
 
-class IrregularZ : public ShadowTechnique {
+class IrregularZ : public LookUpTechnique {
 public:
   explicit IrregularZ(const ShadowContext& context)
-      : workspace_(context.workspace),
-        kernels_(context.kernels),
-        sources_(context.sources),
-        chunks_(make_chunks(context.workspace.scene)) {}
+      : LookUpTechnique(context, kIzbRules), chunks_(make_chunks(context.workspace.scene)) {}
 
   void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kIzbProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                                  workspace_.scene.stack_size, settings));
-    kernels_.start(need_);
-    Device& device = workspace_.device;
+    start_kernels(view, settings);
     make_views(with_filter_margin(view, settings), settings.shadow_size);
     gpu::ShadowFrame frame{};
     frame.size = size_;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kIzbFrameData] = upload(device, std::vector<gpu::ShadowFrame>{frame});
-    buffers_[kLinks] = Buffer(device, shadow_rays(shared) * gpu::kIzbLinkWords * sizeof(std::uint32_t));
-    std::vector<Binding> own = shared;
-    for (const IzbBinding& binding : kIzbBindings)
-      own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
-    sets_ = bind_bands(workspace_, own);
+    upload_frame(frame);
+    buffers_[kLinks] = Buffer(workspace_.device, shadow_rays(shared) * gpu::kIzbLinkWords * sizeof(std::uint32_t));
+    bind(shared);
   }
-
-  bool is_ready() override { return kernels_.ready(need_); }
-  double get_ready() override { return kernels_.best(need_).seconds(); }
 
   void build(WaveQueue&, std::uint32_t) override {} // lists are those of waves
 
@@ -107,11 +81,6 @@ public:
     commands.dispatch(kernels[kAnswer], rays, &wave);
   }
 
-  std::uint64_t bytes() const override {
-    std::uint64_t bytes = 0;
-    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
-    return bytes;
-  }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
   void describe(ShadowReport& report) const override {
     report.size = size_;
@@ -179,16 +148,10 @@ private:
                 "use a smaller --shadow-size or --shadows traced");
   }
 
-  Workspace& workspace_;
-  KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
   std::vector<gpu::ShadowView> views_;
   std::uint32_t size_ = 0; // cells along a side of a view
   std::uint32_t item_count_ = 0;
-  KernelNeed need_;
-  std::array<Buffer, kIzbBufferCount> buffers_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
 constexpr std::array<std::string_view, 1> kIzbSettings = {"shadow-size"};

@@ -1,34 +1,15 @@
-// The techniques there are, one constant a file of this folder.
+// The shadow techniques there are, in the order of --shadows. Each is a constant of this folder, in a file of its own:
+// kShadowMapId in map_id.cpp. Those that average over a map share filterable.cpp.
 #pragma once
 
 #include "host/integrators/hybrid/shadows/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-extern const ShadowKind kShadowMap;        // map.cpp
-extern const ShadowKind kShadowMapId;      // map_id.cpp
-extern const ShadowKind kShadowPcf;        // pcf.cpp
-extern const ShadowKind kShadowPcss;       // pcss.cpp
-extern const ShadowKind kShadowVsm;        // vsm.cpp
-extern const ShadowKind kShadowEsm;        // esm.cpp
-extern const ShadowKind kShadowEvsm;       // evsm.cpp
-extern const ShadowKind kShadowMoment;     // moment.cpp
-extern const ShadowKind kShadowVssm;       // vssm.cpp
-extern const ShadowKind kShadowAverage;    // average.cpp
-extern const ShadowKind kShadowLeak;       // leak.cpp
-extern const ShadowKind kShadowCascades;   // cascades.cpp
-extern const ShadowKind kShadowSdsm;       // sdsm.cpp
-extern const ShadowKind kShadowLispsm;     // lispsm.cpp
-extern const ShadowKind kShadowTsm;        // tsm.cpp
-extern const ShadowKind kShadowPsm;        // psm.cpp
-extern const ShadowKind kShadowCube;       // cube.cpp
-extern const ShadowKind kShadowParaboloid; // paraboloid.cpp
-extern const ShadowKind kShadowVirtual;    // virtual.cpp
-extern const ShadowKind kShadowIzb;        // izb.cpp
-extern const ShadowKind kShadowPlanar;     // planar.cpp
-extern const ShadowKind kShadowLightmap;   // lightmap.cpp
-extern const ShadowKind kShadowProjected;  // projected.cpp
-extern const ShadowKind kShadowZpass;      // zpass.cpp
-extern const ShadowKind kShadowZfail;      // zfail.cpp
+WAVEPATH_ROWS(ShadowKind, kShadowKinds, kShadowMap, kShadowMapId, kShadowPcf, kShadowPcss, kShadowVsm, kShadowEsm,
+              kShadowEvsm, kShadowMoment, kShadowVssm, kShadowAverage, kShadowLeak, kShadowCascades, kShadowSdsm,
+              kShadowLispsm, kShadowTsm, kShadowPsm, kShadowCube, kShadowParaboloid, kShadowVirtual, kShadowIzb,
+              kShadowPlanar, kShadowLightmap, kShadowProjected, kShadowZpass, kShadowZfail);
 
 } // namespace wavepath

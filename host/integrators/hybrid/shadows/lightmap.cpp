@@ -10,60 +10,37 @@
 #include "host/integrators/hybrid/shadows/kinds.h"
 #include "host/integrators/hybrid/shadows/lamp_points.h"
 #include "host/integrators/hybrid/shadows/lightmap_charts.h"
+#include "host/integrators/hybrid/shadows/look_up_technique.h"
 #include "host/integrators/hybrid/shadows/map_size.h"
 #include "host/integrators/hybrid/shadows/times.h"
-#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/shadows/lightmap_bake.spv.h"
 #include "kernels/hybrid/shadows/lightmap_bake_query.spv.h"
 #include "kernels/hybrid/shadows/lightmap_types.h"
 #include "kernels/hybrid/shadows/look_up_lightmap.spv.h"
-#include "kernels/hybrid/shadows/shadow_types.h"
 
 namespace wavepath {
 namespace {
 
 using enum BindingKind;
 
-enum LightmapBuffer : std::size_t {
-  kLightmapFrameData,
-  kLightmapSources,
-  kFirst,
-  kCharts,
-  kTexels,
-  kShares,
-  kPoints,
-  kLightmapBufferCount
-};
-struct LightmapBinding {
-  std::uint32_t slot;
-  BindingKind kind;
-  LightmapBuffer buffer;
-};
-constexpr std::array<LightmapBinding, 9> kLightmapBindings = {
-    {{gpu::kBindShadowFrame, uniform, kLightmapFrameData},
-     {gpu::kBindShadowViews, texels_rgba32f, kPoints}, // not read
-     {gpu::kBindShadowLights, texels_rg32ui, kLightmapSources},
-     {gpu::kBindLightmapFirst, texels_r32ui, kFirst},
-     {gpu::kBindLightmapCharts, texels_rg32ui, kCharts},
-     {gpu::kBindLightmapTexels, texels_rg32ui, kTexels},
-     {gpu::kBindLightmapShares, texels_r32f, kShares},
-     {gpu::kBindLightmapShareWords, storage, kShares},
-     {gpu::kBindLightmapPoints, texels_rgba32f, kPoints}}};
-
-std::vector<Binding> lightmap_layout() {
-  std::vector<Binding> layout = path_layout();
-  for (const LightmapBinding& binding : kLightmapBindings) layout.push_back({binding.slot, binding.kind, nullptr});
-  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
-  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
-  return layout;
-}
+enum LightmapBuffer : std::size_t { kLightmapFrameData, kLightmapSources, kFirst, kCharts, kTexels, kShares, kPoints };
+const std::vector<BufferRule> kLightmapRules = {
+    {"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
+    {"sources", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
+    {"first charts", nullptr, {{gpu::kBindLightmapFirst, texels_r32ui}}},
+    {"charts", nullptr, {{gpu::kBindLightmapCharts, texels_rg32ui}}},
+    {"texels", nullptr, {{gpu::kBindLightmapTexels, texels_rg32ui}}},
+    {"shares", nullptr, {{gpu::kBindLightmapShares, texels_r32f}, {gpu::kBindLightmapShareWords, storage}}},
+    {"points",
+     nullptr,
+     {{gpu::kBindShadowViews, texels_rgba32f}, {gpu::kBindLightmapPoints, texels_rgba32f}}}}; // views: not read
 
 enum LightmapStage : std::size_t { kLightmapLookUp, kBake, kLightmapStageCount };
 const std::array<KernelCode, kLightmapStageCount> kLightmapStages = {
     {{kShadowLookUpStage, wavepath_look_up_lightmap_spv},
      {kShadowBuildStage, wavepath_lightmap_bake_spv, {}, wavepath_lightmap_bake_query_spv}}};
 constexpr std::array<std::size_t, kLightmapStageCount> kLightmapOrder = {kBake, kLightmapLookUp};
-const KernelProgram kLightmapProgram = {kLightmapStages, kLightmapOrder, lightmap_layout};
+const KernelProgram kLightmapProgram = {kLightmapStages, kLightmapOrder, [] { return look_up_layout(kLightmapRules); }};
 
 constexpr std::uint64_t kRaysASlice = 1 << 14; // a few milliseconds of one core's work, and enough to fill a device
 constexpr float kShortOfTheLamp = 0.9999f;     // t_max: rays to points of a lamp end in front of its surface
@@ -74,21 +51,14 @@ struct BakedFor {
   friend bool operator==(const BakedFor&, const BakedFor&) = default;
 };
 
-class Lightmap : public ShadowTechnique {
+class Lightmap : public LookUpTechnique {
 public:
-  explicit Lightmap(const ShadowContext& context)
-      : workspace_(context.workspace), kernels_(context.kernels), sources_(context.sources) {
-    const PackedScene& scene = workspace_.scene;
-    std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
-    for (std::uint32_t i = 0; i < sources_.size(); ++i)
-      for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
-    buffers_[kLightmapSources] = upload(workspace_.device, light_sources);
+  explicit Lightmap(const ShadowContext& context) : LookUpTechnique(context, kLightmapRules) {
+    buffers_[kLightmapSources] = upload(workspace_.device, sources_of_lights());
   }
 
   void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kLightmapProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                                       workspace_.scene.stack_size, settings));
-    kernels_.start(need_);
+    start_kernels(view, settings);
     const std::uint32_t size =
         size_that_fits(settings.shadow_size, [&](std::uint32_t at_size) { return fits(at_size); });
     const BakedFor wanted{size, settings.shadow_taps, settings.cull, settings.terminator};
@@ -96,15 +66,9 @@ public:
     gpu::ShadowFrame frame{};
     frame.size = size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kLightmapFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
-    std::vector<Binding> own = shared;
-    for (const LightmapBinding& binding : kLightmapBindings)
-      own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
-    sets_ = bind_bands(workspace_, own);
+    upload_frame(frame);
+    bind(shared);
   }
-
-  bool is_ready() override { return kernels_.ready(need_); }
-  double get_ready() override { return kernels_.best(need_).seconds(); }
 
   // Once: neither surfaces nor lights move.
   void build(WaveQueue& queue, std::uint32_t) override {
@@ -128,17 +92,6 @@ public:
     }
   }
 
-  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
-    commands.bind(*sets_[band]);
-    commands.dispatch(kernels_.best(need_)[kLightmapLookUp],
-                      groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
-  }
-
-  std::uint64_t bytes() const override {
-    std::uint64_t bytes = 0;
-    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
-    return bytes;
-  }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(sources_.size()); }
   void describe(ShadowReport& report) const override { report.size = made_for_.size; }
 
@@ -220,17 +173,18 @@ private:
     return points;
   }
 
-  Workspace& workspace_;
-  KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_;
-  KernelNeed need_;
   BakedFor made_for_;
   bool is_baked_ = false;
-  std::array<Buffer, kLightmapBufferCount> buffers_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
 constexpr std::array<std::string_view, 2> kLightmapSettings = {"shadow-size", "shadow-taps"};
+
+void check_taps(const RenderPlan& settings) {
+  constexpr std::uint32_t kMostBakedTaps = 64; // of one texel, whose rays are one lane's: drivers end long loops
+  if (settings.shadow_taps > kMostBakedTaps)
+    throw UsageError("--shadow-taps", fmt::format("is at most {} for --shadows lightmap", kMostBakedTaps),
+                     "give fewer");
+}
 
 } // namespace
 
@@ -243,6 +197,7 @@ constinit const ShadowKind kShadowLightmap = {
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<Lightmap>(context);
     },
+    .check = check_taps,
 };
 
 } // namespace wavepath

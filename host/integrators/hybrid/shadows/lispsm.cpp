@@ -25,7 +25,8 @@ constinit const ShadowKind kShadowLispsm = {
     .sources = kDirectionalSource,
     .settings = kLispsmSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kLispsmRecipe, context); },
+    .maps = &kLispsmRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -21,7 +21,8 @@ constinit const ShadowKind kShadowMap = {
     .sources = kAllSources,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kMapRecipe, context); },
+    .maps = &kMapRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

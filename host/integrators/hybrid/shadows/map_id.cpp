@@ -21,7 +21,8 @@ constinit const ShadowKind kShadowMapId = {
     .sources = kAllSources,
     .settings = kMapIdSettings,
     .program = &kMapIdProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kMapIdRecipe, context); },
+    .maps = &kMapIdRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

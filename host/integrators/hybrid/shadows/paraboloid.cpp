@@ -20,7 +20,8 @@ constinit const ShadowKind kShadowParaboloid = {
     .sources = kPointSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kParaboloidRecipe, context); },
+    .maps = &kParaboloidRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -23,7 +23,8 @@ constinit const ShadowKind kShadowPcf = {
     .sources = kAllSources,
     .settings = kPcfSettings,
     .program = &kPcfProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kPcfRecipe, context); },
+    .maps = &kPcfRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -22,7 +22,8 @@ constinit const ShadowKind kShadowPcss = {
     .sources = kAreaSources,
     .settings = kPcssSettings,
     .program = &kPcssProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kPcssRecipe, context); },
+    .maps = &kPcssRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -5,46 +5,33 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/gpu/raster.h"
 #include "host/integrators/hybrid/raster/culling.h"
 #include "host/integrators/hybrid/raster/slices.h"
 #include "host/integrators/hybrid/shadows/kinds.h"
+#include "host/integrators/hybrid/shadows/look_up_technique.h"
 #include "host/integrators/hybrid/shadows/receiver_planes.h"
 #include "host/integrators/hybrid/shadows/times.h"
-#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/planar_frag.spv.h"
 #include "kernels/hybrid/planar_vert.spv.h"
 #include "kernels/hybrid/shadows/look_up_planar.spv.h"
 #include "kernels/hybrid/shadows/planar_types.h"
-#include "kernels/hybrid/shadows/shadow_types.h"
 
 namespace wavepath {
 namespace {
 
 using enum BindingKind;
 
-enum PlanarBuffer : std::size_t { kPlanarFrameData, kPairs, kPlanarSources, kShadows, kPlanarBufferCount };
-struct PlanarBinding {
-  std::uint32_t slot;
-  BindingKind kind;
-  PlanarBuffer buffer;
-};
-constexpr std::array<PlanarBinding, 5> kPlanarBindings = {{{gpu::kBindShadowFrame, uniform, kPlanarFrameData},
-                                                           {gpu::kBindShadowViews, texels_rgba32f, kPairs}, // not read
-                                                           {gpu::kBindShadowLights, texels_rg32ui, kPlanarSources},
-                                                           {gpu::kBindPlanarPairs, texels_rgba32f, kPairs},
-                                                           {gpu::kBindPlanarShadows, texels_r32ui, kShadows}}};
-
-std::vector<Binding> planar_layout() {
-  std::vector<Binding> layout = path_layout();
-  for (const PlanarBinding& binding : kPlanarBindings) layout.push_back({binding.slot, binding.kind, nullptr});
-  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
-  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
-  return layout;
-}
+enum PlanarBuffer : std::size_t { kPlanarFrameData, kPairs, kPlanarSources, kShadows };
+const std::vector<BufferRule> kPlanarRules = {
+    {"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
+    {"pairs",
+     nullptr,
+     {{gpu::kBindShadowViews, texels_rgba32f}, {gpu::kBindPlanarPairs, texels_rgba32f}}}, // views: not read
+    {"sources", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
+    {"shadows", nullptr, {{gpu::kBindPlanarShadows, texels_r32ui}}}};
 
 const std::array<KernelCode, 1> kPlanarStages = {{{kShadowLookUpStage, wavepath_look_up_planar_spv}}};
-const KernelProgram kPlanarProgram = {kPlanarStages, kOnlyStage, planar_layout};
+const KernelProgram kPlanarProgram = {kPlanarStages, kOnlyStage, [] { return look_up_layout(kPlanarRules); }};
 
 constexpr std::array<AttachmentInfo, 1> kPlanarAttachments{{{.name = "planar shadows", .format = ImageFormat::r32ui}}};
 const RasterCode kCode{"planar shadows", wavepath_planar_vert_spv, wavepath_planar_frag_spv};
@@ -76,39 +63,25 @@ std::vector<HalfSpace> between(const gpu::PlanarPair& pair) {
   return sides;
 }
 
-class PlanarShadows : public ShadowTechnique {
+class PlanarShadows : public LookUpTechnique {
 public:
   explicit PlanarShadows(const ShadowContext& context)
-      : workspace_(context.workspace),
-        kernels_(context.kernels),
-        sources_(context.sources),
-        chunks_(make_chunks(context.workspace.scene)) {
+      : LookUpTechnique(context, kPlanarRules), chunks_(make_chunks(context.workspace.scene)) {
     make_pairs();
   }
 
   void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kPlanarProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                                     workspace_.scene.stack_size, settings));
-    kernels_.start(need_);
+    start_kernels(view, settings);
     make_room(settings);
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kPlanarFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
-    std::vector<Binding> own = shared, drawn = workspace_.bindings(workspace_.film.bands().front());
-    for (const Binding& binding : shared)
-      if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) drawn.push_back(binding);
-    for (const PlanarBinding& binding : kPlanarBindings)
-      for (std::vector<Binding>* bindings : {&own, &drawn})
-        bindings->push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
-    sets_ = bind_bands(workspace_, own);
+    upload_frame(frame);
+    bind(shared);
     pipeline_.reset();
-    raster_set_ = std::make_unique<BindingSet>(workspace_.device, drawn, sizeof(gpu::Wave), BindingSet::kRasterStages);
+    bind_draws(shared);
     pipeline_.emplace(workspace_.device, kCode, kPlanarAttachments, RasterState{}, *raster_set_,
                       specialization(need_.config, workspace_.device.info()));
   }
-
-  bool is_ready() override { return kernels_.ready(need_); }
-  double get_ready() override { return kernels_.best(need_).seconds(); }
 
   // Anew for each frame, which sees other points.
   void build(WaveQueue& queue, std::uint32_t) override {
@@ -127,16 +100,6 @@ public:
     }
   }
 
-  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
-    commands.bind(*sets_[band]);
-    commands.dispatch(kernels_.best(need_)[0], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
-  }
-
-  std::uint64_t bytes() const override {
-    std::uint64_t bytes = target_ ? target_->bytes() : 0;
-    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
-    return bytes;
-  }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(pairs_.size()); }
 
 private:
@@ -148,7 +111,6 @@ private:
   void make_pairs() {
     const PackedScene& scene = workspace_.scene;
     const std::vector<ReceiverPlane> planes = receiver_planes(scene);
-    std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
       const auto first = static_cast<std::uint32_t>(pairs_.size());
       for (const ReceiverPlane& plane : planes)
@@ -157,9 +119,8 @@ private:
           pairs_.push_back(*pair);
         }
       pairs_of_source_.emplace_back(first, static_cast<std::uint32_t>(pairs_.size()));
-      for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
     }
-    buffers_[kPlanarSources] = upload(workspace_.device, light_sources);
+    buffers_[kPlanarSources] = upload(workspace_.device, sources_of_lights());
     buffers_[kPairs] = upload(workspace_.device, pairs_.empty() ? std::vector<gpu::PlanarPair>(1) : pairs_);
   }
 
@@ -198,19 +159,11 @@ private:
         [this](double seconds) { triangles_a_slice_.note(seconds); });
   }
 
-  Workspace& workspace_;
-  KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
   std::vector<gpu::PlanarPair> pairs_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_of_source_; // first, end
-  KernelNeed need_;
-  std::array<Buffer, kPlanarBufferCount> buffers_;
-  glm::uvec2 made_for_{0}; // the picture's size
-  std::unique_ptr<RasterTarget> target_;
-  std::unique_ptr<BindingSet> raster_set_;
+  glm::uvec2 made_for_{0};                                               // the picture's size
   std::optional<RasterPipeline> pipeline_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kPlanarFirstTriangles};
 };
 

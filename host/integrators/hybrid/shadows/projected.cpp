@@ -39,7 +39,8 @@ constinit const ShadowKind kShadowProjected = {
     .sources = kPunctualSources,
     .settings = kProjectedSettings,
     .program = &kProjectedProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kProjectedRecipe, context); },
+    .maps = &kProjectedRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

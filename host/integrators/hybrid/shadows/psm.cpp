@@ -20,7 +20,8 @@ constinit const ShadowKind kShadowPsm = {
     .sources = kDirectionalSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kPsmRecipe, context); },
+    .maps = &kPsmRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -71,7 +71,8 @@ constinit const ShadowKind kShadowSdsm = {
     .sources = kDirectionalSource,
     .settings = kSdsmSettings,
     .program = &kSdsmProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kSdsmRecipe, context); },
+    .maps = &kSdsmRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

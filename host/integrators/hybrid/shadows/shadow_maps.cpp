@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/shadows/cookie.h"
+#include "host/integrators/hybrid/shadows/look_up_technique.h"
 #include "host/integrators/hybrid/shadows/map_size.h"
 #include "host/integrators/hybrid/shadows/receiver_planes.h"
 #include "host/integrators/hybrid/shadows/scene_fit.h"
@@ -14,7 +15,6 @@
 #include "host/integrators/hybrid/shadows/times.h"
 #include "host/integrators/hybrid/shadows/virtual_pages.h"
 #include "host/render/settings/shadow_settings.h"
-#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/shadows/cookie_types.h"
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_casters_vert.spv.h"
@@ -43,29 +43,21 @@ enum MapBuffer : std::size_t {
   kScratch,
   kMapCounts,
   kPlanes,
-  kCookie,
-  kMapBufferCount
+  kCookie
 };
 
-struct MapBinding {
-  std::uint32_t slot;
-  BindingKind kind;
-  MapBuffer buffer;
-};
-constexpr std::array<MapBinding, 14> kMapBindings = {{{gpu::kBindShadowFrame, uniform, kMapFrameData},
-                                                      {gpu::kBindShadowViews, texels_rgba32f, kMapViews},
-                                                      {gpu::kBindShadowLights, texels_rg32ui, kMapLightViews},
-                                                      {gpu::kBindShadowDepths, texels_r32f, kDepths},
-                                                      {gpu::kBindShadowDepthWords, storage, kDepths},
-                                                      {gpu::kBindShadowIds, texels_rg32ui, kIds},
-                                                      {gpu::kBindShadowIdWords, storage, kIds},
-                                                      {gpu::kBindShadowTaps, texels_rgba32f, kTaps},
-                                                      {gpu::kBindShadowFiltered, texels_rgba32f, kFiltered},
-                                                      {gpu::kBindShadowFilteredWords, storage, kFiltered},
-                                                      {gpu::kBindShadowScratch, storage, kScratch},
-                                                      {gpu::kBindShadowCounts, storage, kMapCounts},
-                                                      {gpu::kBindPlanarPairs, texels_rgba32f, kPlanes},
-                                                      {gpu::kBindShadowCookie, texels_rgba32f, kCookie}}};
+const std::vector<BufferRule> kMapRules = {
+    {"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
+    {"views", nullptr, {{gpu::kBindShadowViews, texels_rgba32f}}},
+    {"views of lights", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
+    {"depths", nullptr, {{gpu::kBindShadowDepths, texels_r32f}, {gpu::kBindShadowDepthWords, storage}}},
+    {"triangles", nullptr, {{gpu::kBindShadowIds, texels_rg32ui}, {gpu::kBindShadowIdWords, storage}}},
+    {"taps", nullptr, {{gpu::kBindShadowTaps, texels_rgba32f}}},
+    {"filtered", nullptr, {{gpu::kBindShadowFiltered, texels_rgba32f}, {gpu::kBindShadowFilteredWords, storage}}},
+    {"scratch", nullptr, {{gpu::kBindShadowScratch, storage}}},
+    {"counts", nullptr, {{gpu::kBindShadowCounts, storage}}},
+    {"planes", nullptr, {{gpu::kBindPlanarPairs, texels_rgba32f}}},
+    {"cookie", nullptr, {{gpu::kBindShadowCookie, texels_rgba32f}}}};
 
 const std::array<AttachmentInfo, 3> kMapAttachments{
     {{.name = "shadow map", .format = ImageFormat::r32f, .clear = {.colour = {gpu::kFar, 0.0f, 0.0f, 0.0f}}},
@@ -102,14 +94,11 @@ std::vector<gpu::PlanarPair> planes_of(const PackedScene& scene) {
   return planes;
 }
 
-class ShadowMaps : public ShadowTechnique {
+class ShadowMaps : public LookUpTechnique {
 public:
-  ShadowMaps(const ShadowMapRecipe& recipe, const ShadowContext& context)
-      : recipe_(recipe),
-        program_(context.program),
-        workspace_(context.workspace),
-        kernels_(context.kernels),
-        sources_(context.sources),
+  explicit ShadowMaps(const ShadowContext& context)
+      : LookUpTechnique(context, kMapRules),
+        recipe_(*context.kind.maps),
         chunks_(make_chunks(context.workspace.scene)) {
     buffers_[kPlanes] =
         upload(workspace_.device, recipe_.casters ? planes_of(workspace_.scene) : std::vector<gpu::PlanarPair>());
@@ -121,17 +110,12 @@ public:
     make_views(seen);
     settings_.shadow_size = size_that_fits(settings.shadow_size, [&](std::uint32_t size) { return fits(size); });
     if (settings_.shadow_size != settings.shadow_size) make_views(seen);
-    need_ = whole_need(program_, kernel_config(needed_features(workspace_.scene, view, settings),
-                                               workspace_.scene.stack_size, settings));
-    kernels_.start(need_);
+    start_kernels(view, settings);
     make_room();
     shared_ = shared;
-    bind();
+    bind_all();
     builds_left_ = kTimedBuilds;
   }
-
-  bool is_ready() override { return kernels_.ready(need_); }
-  double get_ready() override { return kernels_.best(need_).seconds(); }
 
   void build(WaveQueue& queue, std::uint32_t) override {
     if (recipe_.pages) return build_pages(queue);
@@ -145,16 +129,6 @@ public:
     filter(queue);
   }
 
-  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
-    commands.bind(*sets_[band]);
-    commands.dispatch(kernels_.best(need_)[0], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
-  }
-
-  std::uint64_t bytes() const override {
-    std::uint64_t bytes = target_ ? target_->bytes() : 0;
-    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
-    return bytes;
-  }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
   void describe(ShadowReport& report) const override {
     report.size = settings_.shadow_size;
@@ -280,7 +254,7 @@ private:
       buffers_[kCookie] = upload(workspace_.device, read_cookie(settings_.shadow_cookie, workspace_.device.info()));
     cookie_ = settings_.shadow_cookie;
     buffers_[kMapCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
-    buffers_[kMapFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
+    upload_frame(shadow_frame(tap_count));
   }
 
   // All views, and behind them what is drawn at once of virtual ones.
@@ -309,26 +283,16 @@ private:
     return frame;
   }
 
-  void add_bindings(std::vector<Binding>& bindings) const {
-    for (const MapBinding& binding : kMapBindings)
-      bindings.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
-  }
-
-  void bind() {
-    std::vector<Binding> own = shared_;
-    add_bindings(own);
-    sets_ = bind_bands(workspace_, own);
+  void bind_all() {
+    bind(shared_);
     make_pipeline();
   }
 
   void make_pipeline() {
-    std::vector<Binding> bindings = workspace_.bindings(workspace_.film.bands().front());
-    add_bindings(bindings);
     pipeline_.reset();
     behind_.reset();
     tracer_.reset();
-    raster_set_ =
-        std::make_unique<BindingSet>(workspace_.device, bindings, sizeof(gpu::Wave), BindingSet::kRasterStages);
+    bind_draws({}); // which look at no frame
     const auto constants = specialization(need_.config, workspace_.device.info());
     if (!is_raster()) {
       const KernelCode& code = recipe_.pages ? kPageTracer : kTracer;
@@ -402,7 +366,7 @@ private:
     }
     buffers_[kDepths] = std::move(depths);
     buffers_[kScratch] = Buffer(device, scratch_words() * sizeof(std::uint32_t));
-    bind();
+    bind_all();
   }
 
   void draw_pages(WaveQueue& queue, std::uint32_t first_slot) {
@@ -516,22 +480,13 @@ private:
   }
 
   const ShadowMapRecipe& recipe_;
-  const KernelProgram& program_;
-  Workspace& workspace_;
-  KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
   RenderPlan settings_;
   std::vector<gpu::ShadowView> views_, usual_views_; // of this frame, before it was fitted to
   std::vector<glm::uvec2> light_views_;              // by light: first view, how many
-  KernelNeed need_;
-  std::array<Buffer, kMapBufferCount> buffers_;
-  glm::uvec3 made_for_{0}; // size, views, whether they are rasterized
-  std::unique_ptr<RasterTarget> target_;
-  std::unique_ptr<BindingSet> raster_set_;
-  std::optional<RasterPipeline> pipeline_, behind_; // behind_: of what lies behind the nearest surface
+  glm::uvec3 made_for_{0};                           // size, views, whether they are rasterized
+  std::optional<RasterPipeline> pipeline_, behind_;  // behind_: of what lies behind the nearest surface
   std::optional<Kernel> tracer_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kMapFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
   std::uint32_t builds_left_ = 0;
   std::optional<std::string> cookie_; // that was read
@@ -543,16 +498,10 @@ private:
 
 } // namespace
 
-std::vector<Binding> shadow_layout() {
-  std::vector<Binding> layout = path_layout();
-  for (const MapBinding& binding : kMapBindings) layout.push_back({binding.slot, binding.kind, nullptr});
-  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
-  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
-  return layout;
-}
+std::vector<Binding> shadow_layout() { return look_up_layout(kMapRules); }
 
-std::unique_ptr<ShadowTechnique> make_shadow_maps(const ShadowMapRecipe& recipe, const ShadowContext& context) {
-  return std::make_unique<ShadowMaps>(recipe, context);
+std::unique_ptr<ShadowTechnique> make_shadow_maps(const ShadowContext& context) {
+  return std::make_unique<ShadowMaps>(context);
 }
 
 } // namespace wavepath

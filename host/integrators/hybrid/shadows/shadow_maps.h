@@ -70,6 +70,7 @@ inline constexpr std::array<std::string_view, 3> kMapSettings = {"shadow-size", 
 // Numbers and kinds of the bindings of kernels of shadow techniques, without buffers.
 std::vector<Binding> shadow_layout();
 
-std::unique_ptr<ShadowTechnique> make_shadow_maps(const ShadowMapRecipe& recipe, const ShadowContext& context);
+// The technique of ShadowKind::maps.
+std::unique_ptr<ShadowTechnique> make_shadow_maps(const ShadowContext& context);
 
 } // namespace wavepath

@@ -5,17 +5,14 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/gpu/raster.h"
 #include "host/integrators/hybrid/raster/culling.h"
 #include "host/integrators/hybrid/raster/slices.h"
+#include "host/integrators/hybrid/shadows/look_up_technique.h"
 #include "host/integrators/hybrid/shadows/times.h"
 #include "host/integrators/hybrid/shadows/volume_pieces.h"
-#include "host/render/settings/shadow_settings.h"
-#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/seen_depth_frag.spv.h"
 #include "kernels/hybrid/seen_depth_vert.spv.h"
 #include "kernels/hybrid/shadows/look_up_volume.spv.h"
-#include "kernels/hybrid/shadows/shadow_types.h"
 #include "kernels/hybrid/shadows/volume_types.h"
 #include "kernels/hybrid/volume_vert.spv.h"
 
@@ -24,33 +21,15 @@ namespace {
 
 using enum BindingKind;
 
-enum VolumeBuffer : std::size_t {
-  kVolumeFrameData,
-  kVolumeSources,
-  kPieces,
-  kVolumeCounts,
-  kLights,
-  kVolumeBufferCount
-};
-struct VolumeBinding {
-  std::uint32_t slot;
-  BindingKind kind;
-  VolumeBuffer buffer;
-};
-constexpr std::array<VolumeBinding, 6> kVolumeBindings = {{{gpu::kBindShadowFrame, uniform, kVolumeFrameData},
-                                                           {gpu::kBindShadowViews, texels_rgba32f, kLights}, // not read
-                                                           {gpu::kBindShadowLights, texels_rg32ui, kVolumeSources},
-                                                           {gpu::kBindVolumePieces, texels_rg32ui, kPieces},
-                                                           {gpu::kBindVolumeCounts, texels_r32ui, kVolumeCounts},
-                                                           {gpu::kBindVolumeLights, texels_rgba32f, kLights}}};
-
-std::vector<Binding> volume_layout() {
-  std::vector<Binding> layout = path_layout();
-  for (const VolumeBinding& binding : kVolumeBindings) layout.push_back({binding.slot, binding.kind, nullptr});
-  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
-  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
-  return layout;
-}
+enum VolumeBuffer : std::size_t { kVolumeFrameData, kVolumeSources, kPieces, kVolumeCounts, kLights };
+const std::vector<BufferRule> kVolumeRules = {
+    {"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
+    {"sources", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
+    {"pieces", nullptr, {{gpu::kBindVolumePieces, texels_rg32ui}}},
+    {"counts", nullptr, {{gpu::kBindVolumeCounts, texels_r32ui}}},
+    {"lights",
+     nullptr,
+     {{gpu::kBindShadowViews, texels_rgba32f}, {gpu::kBindVolumeLights, texels_rgba32f}}}}; // views: not read
 
 const std::array<KernelCode, 1> kVolumeStages = {{{kShadowLookUpStage, wavepath_look_up_volume_spv}}};
 
@@ -82,23 +61,16 @@ RasterState counting(VolumeCount count, bool outwards) {
   return state;
 }
 
-class ShadowVolumes : public ShadowTechnique {
+class ShadowVolumes : public LookUpTechnique {
 public:
   ShadowVolumes(const ShadowContext& context, VolumeCount count)
-      : workspace_(context.workspace),
-        kernels_(context.kernels),
-        sources_(context.sources),
-        count_(count),
-        chunks_(make_chunks(context.workspace.scene)) {}
+      : LookUpTechnique(context, kVolumeRules), count_(count), chunks_(make_chunks(context.workspace.scene)) {}
 
   void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     // The far plane of an orthographic camera would cut volumes open.
     if (view.orthographic)
-      throw Error(fmt::format("--shadows {}", kShadowNames[settings.shadows]), "needs a camera with perspective",
-                  "use --shadows traced");
-    need_ = whole_need(kVolumeProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                                     workspace_.scene.stack_size, settings));
-    kernels_.start(need_);
+      throw Error(fmt::format("--shadows {}", kind_.name), "needs a camera with perspective", "use --shadows traced");
+    start_kernels(view, settings);
     camera_ = camera_of(view);
     size_ = glm::uvec2(settings.width, settings.height);
     if (!known_cull_ || *known_cull_ != settings.cull) make_pieces(settings.cull == gpu::kCullAll);
@@ -106,19 +78,10 @@ public:
     make_room();
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kVolumeFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
-    std::vector<Binding> own = shared, drawn = workspace_.bindings(workspace_.film.bands().front());
-    for (const Binding& binding : shared)
-      if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) drawn.push_back(binding);
-    for (const VolumeBinding& binding : kVolumeBindings)
-      for (std::vector<Binding>* bindings : {&own, &drawn})
-        bindings->push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
-    sets_ = bind_bands(workspace_, own);
-    make_pipelines(drawn);
+    upload_frame(frame);
+    bind(shared);
+    make_pipelines(shared);
   }
-
-  bool is_ready() override { return kernels_.ready(need_); }
-  double get_ready() override { return kernels_.best(need_).seconds(); }
 
   // Anew for each frame, which sees other points.
   void build(WaveQueue& queue, std::uint32_t) override {
@@ -134,16 +97,6 @@ public:
     }
   }
 
-  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
-    commands.bind(*sets_[band]);
-    commands.dispatch(kernels_.best(need_)[0], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
-  }
-
-  std::uint64_t bytes() const override {
-    std::uint64_t bytes = target_ ? target_->bytes() : 0;
-    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
-    return bytes;
-  }
   std::uint32_t view_count() const override { return 0; }
 
 private:
@@ -164,13 +117,10 @@ private:
   void make_pieces(bool culls_backs) {
     const PackedScene& scene = workspace_.scene;
     const VolumeCasters casters(scene, culls_backs);
-    std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
     std::vector<glm::uvec2> all;
     std::vector<glm::vec4> lights;
     ranges_.clear();
-    for (std::uint32_t i = 0; i < sources_.size(); ++i) {
-      const ShadowSource& source = sources_[i];
-      for (const std::uint32_t light : source.lights) light_sources[light] = glm::uvec2(i, 1);
+    for (const ShadowSource& source : sources_) {
       const bool is_point = source.kind != kDirectionalSource;
       lights.emplace_back(is_point ? source.position : source.direction, is_point ? 1.0f : 0.0f);
       const VolumePieces pieces = casters.pieces(source, count_ == VolumeCount::behind);
@@ -181,7 +131,7 @@ private:
       all.insert(all.end(), pieces.inwards.begin(), pieces.inwards.end());
     }
     if (all.empty()) all.emplace_back(0);
-    buffers_[kVolumeSources] = upload(workspace_.device, light_sources);
+    buffers_[kVolumeSources] = upload(workspace_.device, sources_of_lights());
     buffers_[kPieces] = upload(workspace_.device, all);
     buffers_[kLights] = upload(workspace_.device, lights);
   }
@@ -214,11 +164,11 @@ private:
     made_for_ = size_;
   }
 
-  void make_pipelines(const std::vector<Binding>& drawn) {
+  void make_pipelines(const std::vector<Binding>& shared) {
     seen_.reset();
     outwards_.reset();
     inwards_.reset();
-    raster_set_ = std::make_unique<BindingSet>(workspace_.device, drawn, sizeof(gpu::Wave), BindingSet::kRasterStages);
+    bind_draws(shared);
     const auto constants = specialization(need_.config, workspace_.device.info());
     seen_.emplace(workspace_.device, kSeenCode, kVolumeAttachments, mark_seen(), *raster_set_, constants);
     outwards_.emplace(workspace_.device, kVolumeCode, kVolumeAttachments, counting(count_, true), *raster_set_,
@@ -250,27 +200,19 @@ private:
         [this](double seconds) { triangles_a_slice_.note(seconds); });
   }
 
-  Workspace& workspace_;
-  KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_;
   VolumeCount count_;
   std::vector<Chunk> chunks_;
   std::vector<PieceRange> ranges_; // by source
   std::optional<std::uint32_t> known_cull_;
   gpu::CameraView camera_{};
-  KernelNeed need_;
-  std::array<Buffer, kVolumeBufferCount> buffers_;
   glm::uvec2 size_{0}, made_for_{0}; // the picture's
-  std::unique_ptr<RasterTarget> target_;
-  std::unique_ptr<BindingSet> raster_set_;
   std::optional<RasterPipeline> seen_, outwards_, inwards_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kVolumeFirstTriangles};
 };
 
 } // namespace
 
-const KernelProgram kVolumeProgram = {kVolumeStages, kOnlyStage, volume_layout};
+const KernelProgram kVolumeProgram = {kVolumeStages, kOnlyStage, [] { return look_up_layout(kVolumeRules); }};
 
 std::unique_ptr<ShadowTechnique> make_shadow_volumes(const ShadowContext& context, VolumeCount count) {
   return std::make_unique<ShadowVolumes>(context, count);

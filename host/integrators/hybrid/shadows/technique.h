@@ -41,9 +41,12 @@ public:
   virtual void describe(ShadowReport&) const {} // what only some techniques know; nothing is in flight
 };
 
+struct ShadowKind;
+struct ShadowMapRecipe; // shadow_maps.h
+
 // What a technique is made of.
 struct ShadowContext {
-  const KernelProgram& program; // ShadowKind::program
+  const ShadowKind& kind;
   Workspace& workspace;
   KernelCompiler& kernels;
   std::vector<ShadowSource> sources; // that it covers
@@ -56,9 +59,11 @@ struct ShadowKind {
   unsigned sources = 0;                         // kinds that it covers
   std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
   const KernelProgram* program = nullptr;       // its kernels, those of draws left out
+  const ShadowMapRecipe* maps = nullptr;        // of a technique of maps
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
-  std::string (*refusal)(const PackedScene& scene) =
-      nullptr; // why scenes do not suit it; none: it asks for lights alone
+  // Why a scene does not suit it; null = it asks for lights alone.
+  std::string (*refusal)(const PackedScene& scene) = nullptr;
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 
 } // namespace wavepath

@@ -20,7 +20,8 @@ constinit const ShadowKind kShadowTsm = {
     .sources = kDirectionalSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kTsmRecipe, context); },
+    .maps = &kTsmRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

@@ -16,6 +16,12 @@ const KernelProgram kVirtualProgram = {kVirtualStages, kVirtualOrder, shadow_lay
 const ShadowMapRecipe kVirtualRecipe = {.pages = true};
 constexpr std::array<std::string_view, 3> kVirtualSettings = {"shadow-size", "shadow-bias", "shadow-source"};
 
+void check_draws_once(const RenderPlan& settings) {
+  if (settings.shadow_bias == gpu::kBiasMidpoint)
+    throw UsageError("--shadow-bias midpoint", "draws maps twice, and --shadows virtual draws its pages once",
+                     "use another bias");
+}
+
 } // namespace
 
 constinit const ShadowKind kShadowVirtual = {
@@ -24,7 +30,9 @@ constinit const ShadowKind kShadowVirtual = {
     .sources = kAllSources,
     .settings = kVirtualSettings,
     .program = &kVirtualProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kVirtualRecipe, context); },
+    .maps = &kVirtualRecipe,
+    .make = make_shadow_maps,
+    .check = check_draws_once,
 };
 
 } // namespace wavepath

@@ -30,7 +30,8 @@ constinit const ShadowKind kShadowVssm = {
     .sources = kAreaSources,
     .settings = kVssmSettings,
     .program = &kVssmProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kVssmRecipe, context); },
+    .maps = &kVssmRecipe,
+    .make = make_shadow_maps,
 };
 
 } // namespace wavepath

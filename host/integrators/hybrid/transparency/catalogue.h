@@ -1,18 +1,19 @@
-// The technique of transparency that settings name, and what it refuses.
+// The registry of techniques of transparency, what they refuse, and their rows in the table of settings.
 #pragma once
 
-#include <string_view>
+#include <vector>
 
 #include "host/integrators/hybrid/transparency/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-// Null for passing through at random.
-const TransparencyKind* transparency_kind(const RenderPlan& settings);
+// Passing through at random is built in.
+extern const Registry<TransparencyKind> kTransparencyTechniques;
 
-// Whether a setting of transparency means something to the technique chosen; any other setting does.
-bool takes_transparency_setting(const RenderPlan& settings, std::string_view setting);
-// Throws UsageError if the settings name something that the technique does not take.
+std::vector<Setting> transparency_rows();
+
+// Throws UsageError if settings do not go with the technique that they name.
 void check_transparency_settings(const RenderPlan& settings);
 
 } // namespace wavepath

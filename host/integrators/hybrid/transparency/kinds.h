@@ -1,15 +1,13 @@
-// The techniques of transparency there are, one constant a file of this folder.
+// The techniques of transparency there are, in the order of --transparency. Each is a constant in a file of its own in
+// this folder: kTransparencySorted in sorted.cpp.
 #pragma once
 
 #include "host/integrators/hybrid/transparency/technique.h"
+#include "host/render/settings/registry.h"
 
 namespace wavepath {
 
-extern const TransparencyKind kTransparencySorted;     // sorted.cpp
-extern const TransparencyKind kTransparencyPeel;       // peel.cpp
-extern const TransparencyKind kTransparencyWeighted;   // weighted.cpp
-extern const TransparencyKind kTransparencyScreendoor; // screendoor.cpp
-extern const TransparencyKind kTransparencyStochastic; // stochastic.cpp
-extern const TransparencyKind kTransparencyRefractive; // refractive.cpp
+WAVEPATH_ROWS(TransparencyKind, kTransparencyKinds, kTransparencySorted, kTransparencyPeel, kTransparencyWeighted,
+              kTransparencyScreendoor, kTransparencyStochastic, kTransparencyRefractive);
 
 } // namespace wavepath

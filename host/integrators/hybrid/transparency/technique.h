@@ -32,10 +32,11 @@ struct LayerRecipe {
 struct TransparencyKind {
   std::string_view name; // value of --transparency
   std::string_view summary;
-  std::string_view subject = "BLEND surfaces";  // of which it is the summary
-  std::span<const std::string_view> settings{}; // that it takes
-  std::uint32_t flag = 0;                       // kHybrid bit of its frames
-  const LayerRecipe* layers = nullptr;          // null = it has none
+  std::string_view subject = "BLEND surfaces";         // of which it is the summary
+  std::span<const std::string_view> settings{};        // that it takes
+  std::uint32_t flag = 0;                              // kHybrid bit of its frames
+  const LayerRecipe* layers = nullptr;                 // null = it has none
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 
 } // namespace wavepath

@@ -1,7 +1,7 @@
-#include "host/render/settings/shading_rows.h"
-
+// The rows of the table of settings: values and meaning of what can be set about local illumination.
 #include <fmt/format.h>
 
+#include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/render/settings/shading_settings.h"
 
 namespace wavepath {
@@ -44,12 +44,13 @@ std::string depth_cue_text(const S& settings) {
 } // namespace
 
 std::vector<Setting> shading_rows() {
-  std::vector<Setting> rows = {
+  static const std::vector<std::string_view> names = kShadingModels.names();
+  return {
       {.name = "shading",
-       .value = ChoiceValue{&S::shading, kShadingNames},
+       .value = ChoiceValue{&S::shading, names},
        .meaning = "how what the camera sees reflects direct light: as its glTF material says, or by a model of old",
        .label = "shading",
-       .study = std::vector<std::string_view>(kShadingNames.begin(), kShadingNames.end())},
+       .study = names},
       {.name = "interpolation",
        .value = ChoiceValue{&S::interpolation, kInterpolationNames},
        .meaning = "where such a model is evaluated: once a face, at its corners, or in every pixel",
@@ -71,12 +72,6 @@ std::vector<Setting> shading_rows() {
        .placeholder = "NEAR,FAR",
        .initial = "off"},
   };
-  for (Setting& row : rows) {
-    row.group = SettingGroup::special;
-    row.offered = kByRender | kByView;
-    row.takers = Takers::listed_else_refused;
-  }
-  return rows;
 }
 
 } // namespace wavepath

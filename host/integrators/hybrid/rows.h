@@ -1,4 +1,4 @@
-// The rows of the table of settings that techniques of transparency have.
+// The rows of the table of settings that techniques of hybrid frames have.
 #pragma once
 
 #include <vector>
@@ -7,6 +7,6 @@
 
 namespace wavepath {
 
-std::vector<Setting> transparency_rows();
+std::vector<Setting> technique_rows();
 
 } // namespace wavepath

@@ -1,6 +1,5 @@
-#include "host/render/settings/transparency_rows.h"
-
-#include "host/render/settings/transparency_settings.h"
+// The rows of the table of settings: values and meaning of what can be set about transparency.
+#include "host/integrators/hybrid/transparency/catalogue.h"
 
 namespace wavepath {
 namespace {
@@ -12,12 +11,13 @@ constexpr std::uint32_t kMostLayers = 64;
 } // namespace
 
 std::vector<Setting> transparency_rows() {
-  std::vector<Setting> rows = {
+  static const std::vector<std::string_view> names = kTransparencyTechniques.names();
+  return {
       {.name = "transparency",
-       .value = ChoiceValue{&S::transparency, kTransparencyNames},
+       .value = ChoiceValue{&S::transparency, names},
        .meaning = "how BLEND surfaces (of refractive: glass) are seen through: at random, or by rasterized layers",
        .label = "transparency",
-       .study = std::vector<std::string_view>(kTransparencyNames.begin(), kTransparencyNames.end())},
+       .study = names},
       {.name = "transparency-layers",
        .value = WholeValue{&S::transparency_layers, 1, kMostLayers},
        .meaning = "layers that are peeled off in front of what is opaque",
@@ -31,12 +31,6 @@ std::vector<Setting> transparency_rows() {
        .label = "layer samples",
        .study = {"2", "8", "32"}},
   };
-  for (Setting& row : rows) {
-    row.group = SettingGroup::special;
-    row.offered = kByRender | kByView;
-    row.takers = Takers::listed_else_refused;
-  }
-  return rows;
 }
 
 } // namespace wavepath

@@ -1,11 +1,11 @@
-#include "host/render/settings/shadow_rows.h"
-
+// The rows of the table of settings: values and meaning of what can be set about shadows.
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "host/base/hash.h"
 #include "host/base/read_file.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/render/settings/shadow_settings.h"
 
 namespace wavepath {
@@ -48,15 +48,16 @@ void read_shadow_bits(const FlagValue& value, S& settings) {
 } // namespace
 
 std::vector<Setting> shadow_rows() {
-  std::vector<Setting> rows = {
+  static const std::vector<std::string_view> names = kShadowTechniques.names();
+  return {
       {.name = "shadows",
-       .value = ChoiceValue{&S::shadows, kShadowNames},
+       .value = ChoiceValue{&S::shadows, names},
        .meaning =
            fmt::format("how direct light is shadowed: by rays, or by a technique that rasterizes what lights see: {}",
-                       fmt::join(kShadowNames, ", ")),
+                       fmt::join(names, ", ")),
        .placeholder = "NAME",
        .label = "shadows",
-       .study = std::vector<std::string_view>(kShadowNames.begin(), kShadowNames.end())},
+       .study = names},
       {.name = "shadow-size",
        .value = WholeValue{&S::shadow_size, kSmallestMap, kLargestMap},
        .meaning = "texels along a side of what a light sees; by default fewer where the device cannot hold as many",
@@ -119,12 +120,6 @@ std::vector<Setting> shadow_rows() {
        .placeholder = "SHARE",
        .label = "light in shadow"},
   };
-  for (Setting& row : rows) {
-    row.group = SettingGroup::special;
-    row.offered = kByRender | kByView;
-    row.takers = Takers::listed_else_refused;
-  }
-  return rows;
 }
 
 } // namespace wavepath

@@ -1,8 +1,7 @@
-#include "host/render/settings/occlusion_rows.h"
-
+// The rows of the table of settings: values and meaning of what can be set about occlusion.
 #include <fmt/format.h>
 
-#include "host/render/settings/occlusion_settings.h"
+#include "host/integrators/hybrid/occlusion/catalogue.h"
 
 namespace wavepath {
 namespace {
@@ -14,14 +13,15 @@ constexpr double kMostAoBias = 90.0; // degrees
 } // namespace
 
 std::vector<Setting> occlusion_rows() {
-  std::vector<Setting> rows = {
+  static const std::vector<std::string_view> names = kOcclusionTechniques.names();
+  return {
       {.name = "occlusion",
-       .value = ChoiceValue{&S::occlusion, kOcclusionNames},
+       .value = ChoiceValue{&S::occlusion, names},
        .meaning = fmt::format("how ambient occlusion is found: by rays, or among the depths that the picture shows: {}",
-                              fmt::join(kOcclusionNames, ", ")),
+                              fmt::join(names, ", ")),
        .placeholder = "NAME",
        .label = "occlusion",
-       .study = std::vector<std::string_view>(kOcclusionNames.begin(), kOcclusionNames.end())},
+       .study = names},
       {.name = "ao-bias",
        .value = NumberValue{&S::ao_bias, 0.0, kMostAoBias},
        .meaning = "of hbao: elevation over the tangent plane up to which nothing occludes",
@@ -33,12 +33,6 @@ std::vector<Setting> occlusion_rows() {
        .placeholder = "SHARE",
        .study = {"0", "0.1", "0.5"}},
   };
-  for (Setting& row : rows) {
-    row.group = SettingGroup::special;
-    row.offered = kByRender | kByView;
-    row.takers = Takers::listed_else_refused;
-  }
-  return rows;
 }
 
 } // namespace wavepath
