@@ -14,7 +14,8 @@ LINES, PER_AXIS = 24, 48  # of the disc; of a direction's integral
 
 def fresnel(cosine, ior=1.5):
     g = math.sqrt(cosine * cosine + ior * ior - 1)
-    return 0.5 * ((g - cosine) / (g + cosine)) ** 2 * (1 + ((cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1)) ** 2)
+    ratio = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1)
+    return 0.5 * ((g - cosine) / (g + cosine)) ** 2 * (1 + ratio**2)
 
 
 def smith_lambda(mu, alpha):
@@ -82,7 +83,8 @@ def mean_over_ball(albedo):
 
 
 def main():
-    print("| roughness | metal, correlated | separable | ior 1.5, correlated | separable |\n| --- | --- | --- | --- | --- |")
+    print("| roughness | metal, correlated | separable | ior 1.5, correlated | separable |\n| --- | --- | --- | --- | "
+          "--- |")
     for roughness in (0.3, 0.6, 1.0):
         means = [mean_over_ball(lambda mu: ggx(mu, roughness**2, reflectance, correlated))
                  for reflectance in (lambda _: 1.0, fresnel) for correlated in (True, False)]

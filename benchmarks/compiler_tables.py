@@ -2,11 +2,12 @@
 """What compilers of GPUs make of the kernels, without a GPU:
 compiler_tables.py --program WAVEPATH [--check] [--only NAME ...] [--shims FOLDER]
 
-Runs `wavepath bench --kernels` on drivers that compile for a GPU which is not there, and writes results/compilers/NAME.csv.
---check compares with these tables instead: exit code 1 if a kernel takes more registers, more bytes of spills or scratch
-memory, or has fewer waves at a time than its table says. A driver that is not installed, or of another version than its table
-was made with, is left out with a message. NVIDIA's and Intel's (NVK, ANV) want a kernel driver to talk to: FOLDER holds
-Mesa's stand-ins for these; README.md there tells how to make them."""
+Runs `wavepath bench --kernels` on drivers that compile for a GPU which is not there, and writes
+results/compilers/NAME.csv. --check compares with these tables instead: exit code 1 if a kernel takes more registers,
+more bytes of spills or scratch memory, or has fewer waves at a time than its table says. A driver that is not
+installed, or of another version than its table was made with, is left out with a message. NVIDIA's and Intel's (NVK,
+ANV) want a kernel driver to talk to: FOLDER holds Mesa's stand-ins for these; README.md there tells how to make
+them."""
 
 import argparse
 import csv
@@ -97,7 +98,9 @@ def worse(rows, table):
     lines += [f"{', '.join(missing)}: is in the table alone" for missing in known.keys() - {key(row) for row in rows}]
     for row in rows:
         for name, direction in COLUMNS.items():
-            if key(row) not in known or name not in row or direction * (float(row[name]) - float(known[key(row)][name])) <= 0:
+            if key(row) not in known or name not in row:
+                continue
+            if direction * (float(row[name]) - float(known[key(row)][name])) <= 0:
                 continue
             lines.append(f"{', '.join(key(row))}: {name} {known[key(row)][name]} -> {row[name]}")
     return sorted(lines)

@@ -2,8 +2,9 @@
 """What assets look like at first sight: contact_sheet.py --assets FOLDER [-o FILE.png] [--program wavepath]
 
 Renders each asset as `wavepath render ASSET --size 320x240 --spp 64 -o TILE.png`, without any other flag, and puts the
-pictures on one sheet, each with its name, the seconds it took and the light and exposure that were chosen. What cannot be
-rendered says why. FOLDER holds the scenes of ASSETS below. Needs openimageio-tools (oiiotool) and fonts-dejavu-core."""
+pictures on one sheet, each with its name, the seconds it took and the light and exposure that were chosen. What cannot
+be rendered says why. FOLDER holds the scenes of ASSETS below. Needs openimageio-tools (oiiotool) and
+fonts-dejavu-core."""
 
 import argparse
 import pathlib
@@ -19,12 +20,14 @@ COLUMNS, CAPTION, GAP = 6, 38, 4  # tiles; pixels
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 ASSETS = [
     "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "FlightHelmet/FlightHelmet.gltf", "ToyCar/glTF/ToyCar.gltf",
-    "WaterBottle/glTF/WaterBottle.gltf", "StanfordDragon/dragon-plain.glb", "IridescenceSuzanne/glTF-Binary/IridescenceSuzanne.glb",
+    "WaterBottle/glTF/WaterBottle.gltf", "StanfordDragon/dragon-plain.glb",
+    "IridescenceSuzanne/glTF-Binary/IridescenceSuzanne.glb",
     "ClearCoatTest/glTF-Binary/ClearCoatTest.glb", "TransmissionTest/glTF-Binary/TransmissionTest.glb",
     "AttenuationTest/glTF-Binary/AttenuationTest.glb", "SpecularTest/glTF-Binary/SpecularTest.glb",
     "MetalRoughSpheresNoTextures/glTF-Binary/MetalRoughSpheresNoTextures.glb",
     "EmissiveStrengthTest/glTF-Binary/EmissiveStrengthTest.glb",
-    "HotelRoom/HotelRoom-plain.glb", "Sponza/Sponza.gltf", "webxr-home-theater/home-theater.gltf", "webxr-camp/camp.gltf",
+    "HotelRoom/HotelRoom-plain.glb", "Sponza/Sponza.gltf", "webxr-home-theater/home-theater.gltf",
+    "webxr-camp/camp.gltf",
     "CornellBox-babylon/cornellBox.glb", "CornellBox-bevy/CornellBox.glb", "CornellBox-kajiya/scene.gltf",
     "LightsPunctualLamp/glTF/LightsPunctualLamp.gltf", "LightsPunctualBasic/gltf_KHR_lights_punctual_test.glb",
     "AlphaBlendModeTest/glTF-Binary/AlphaBlendModeTest.glb", "NormalTangentTest/glTF-Binary/NormalTangentTest.glb",
@@ -86,7 +89,8 @@ def main():
             tiles.append(pathlib.Path(folder) / f"tile{i}.png")
             captioned(picture, name, words, tiles[-1])
         rows = (len(tiles) + COLUMNS - 1) // COLUMNS
-        subprocess.run(["oiiotool", *map(str, tiles), f"--mosaic:pad={GAP}", f"{min(COLUMNS, len(tiles))}x{rows}", "-d", "uint8",
+        subprocess.run(["oiiotool", *map(str, tiles), f"--mosaic:pad={GAP}", f"{min(COLUMNS, len(tiles))}x{rows}", "-d",
+                        "uint8",
                         "--compression", "jpeg:92", "-o", str(args.output)], check=True)
 
 

@@ -28,7 +28,8 @@ def read_exr(path):
     """Width, height and a list of (r, g, b)."""
     with tempfile.TemporaryDirectory() as folder:
         plain = pathlib.Path(folder) / "plain.exr"
-        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "-d", "float", "--scanline", "--compression", "none", "-o", plain],
+        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "-d", "float", "--scanline", "--compression", "none", "-o",
+                        plain],
                        check=True)
         data = plain.read_bytes()
     found, at = header(data)

@@ -43,19 +43,22 @@ def main():
         about, scene, flags = PICTURES[name]
         flags += f" --size 1280x720 --time {args.seconds:g} --denoise"
         file = ROOT / scene if not scene.startswith("ASSETS/") else args.assets / scene[len("ASSETS/"):]
-        done = subprocess.run([args.program, "render", str(file), *flags.split(), "-o", str(HERE / f"{name}.jpg"), "-v"],
+        done = subprocess.run([args.program, "render", str(file), *flags.split(), "-o", str(HERE / f"{name}.jpg"),
+                               "-v"],
                               capture_output=True, text=True, check=False)
         if done.returncode:
             sys.exit(done.stderr)
         found = re.search(r"(\d+) spp in ([\d.]+) s, .*?estimated error ([\d.]+) %", done.stderr)
         device = re.search(r"(?m)^  device\s+(.*)$", done.stderr)[1]
-        rows[name] = (f"| ![{name}]({name}.jpg) | {about} | `./run render {scene} {' '.join(flags.split())} -o {name}.jpg` "
-                      f"| {found[2]} | {found[1]} | {found[3]} % |")
+        rows[name] = (f"| ![{name}]({name}.jpg) | {about} | `./run render {scene} {' '.join(flags.split())} -o "
+                      f"{name}.jpg` | {found[2]} | {found[1]} | {found[3]} % |")
         print(name, found[2], "s", found[1], "spp", found[3], "%", flush=True)
     lines = ["# Gallery", "",
              f"Made by `benchmarks/gallery.py` on {device}. The error is that of the unfiltered picture, as estimated.",
-             "ASSETS are public scenes, each with its licence beside it: Khronos' glTF sample assets, and what they name.", "",
-             "| picture | what | command | seconds | samples a pixel | error |", "| --- | --- | --- | --- | --- | --- |"]
+             "ASSETS are public scenes, each with its licence beside it: Khronos' glTF sample assets, and what they "
+             "name.", "",
+             "| picture | what | command | seconds | samples a pixel | error |",
+             "| --- | --- | --- | --- | --- | --- |"]
     lines += [rows[name] for name in PICTURES if name in rows]
     table.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

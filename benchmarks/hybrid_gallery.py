@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""What the hybrid integrator costs and saves on real scenes: hybrid_gallery.py --assets FOLDER [-o FOLDER] [--budget SECONDS]
+"""What the hybrid integrator costs and saves on real scenes: hybrid_gallery.py --assets FOLDER [-o FOLDER] [--budget
+SECONDS]
 
-Runs `wavepath study --vary integrator,denoise` on each scene, puts path-traced, hybrid and denoised pictures side by side and
-writes one table of errors and milliseconds. FOLDER has Sponza, DamagedHelmet, HotelRoom, webxr-camp and env; a scene
-that is not there is left out and said so. Needs python3-pil. --redraw: from the studies of the last run, in --work."""
+Runs `wavepath study --vary integrator,denoise` on each scene, puts path-traced, hybrid and denoised pictures side by
+side and writes one table of errors and milliseconds. FOLDER has Sponza, DamagedHelmet, HotelRoom, webxr-camp and env; a
+scene that is not there is left out and said so. Needs python3-pil. --redraw: from the studies of the last run, in
+--work."""
 
 import argparse
 import json
@@ -20,7 +22,8 @@ SIZE = (480, 270)
 SCENES = {
     "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr",
                "flags": "--env-intensity 2 --eye 4,1.8,0.2 --look-at -10,2.2,-0.3 --yfov 65"},
-    "damaged_helmet": {"scene": "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "environment": "env/studio_small_03_1k.hdr",
+    "damaged_helmet": {"scene": "DamagedHelmet/glTF-Binary/DamagedHelmet.glb",
+                       "environment": "env/studio_small_03_1k.hdr",
                        "flags": ""},
     "hotel_room": {"scene": "HotelRoom/HotelRoom-plain.glb", "environment": "env/venice_sunset_1k.hdr",
                    "flags": "--eye 10000,1200,-6000 --look-at 10200,1100,-7000 --yfov 75"},
@@ -34,7 +37,8 @@ def run_study(program, name, assets, folder, budget):
     entry = SCENES[name]
     ours = entry["scene"].startswith("scenes/")
     base = ROOT if ours else assets
-    command = ["study", entry["scene"], "-o", str(folder), "--vary", "integrator,denoise", "--size", f"{SIZE[0]}x{SIZE[1]}",
+    command = ["study", entry["scene"], "-o", str(folder), "--vary", "integrator,denoise", "--size",
+               f"{SIZE[0]}x{SIZE[1]}",
                "--budget", str(budget), "-q", *shlex.split(entry["flags"])]
     if entry["environment"]:
         command += ["--env", entry["environment"]]
@@ -71,14 +75,15 @@ def captioned(study, folder):
 
 
 def table(studies):
-    lines = ["| scene | configuration | ms a frame | frames | direct light | occlusion | full picture | levels off at |",
+    lines = ["| scene | configuration | ms a frame | frames | direct light | occlusion | full picture | levels off at "
+             "|",
              "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, (study, _) in studies.items():
         for c in study["configurations"]:
             last = c["points"][-1]
             level = f"{100.0 * c['levels_off']:.3g} %" if c["levels_off"] is not None else "-"
-            lines.append(f"| {name} | {c['name']} | {last['ms_per_frame']:.1f} | {last['spp']} | {percent(last['direct'])} | "
-                         f"{percent(last['ao'])} | {percent(last['full'])} | {level} |")
+            lines.append(f"| {name} | {c['name']} | {last['ms_per_frame']:.1f} | {last['spp']} | "
+                         f"{percent(last['direct'])} | {percent(last['ao'])} | {percent(last['full'])} | {level} |")
     return "\n".join(lines)
 
 
@@ -87,7 +92,8 @@ def first_frames(studies):
     for name, (study, _) in studies.items():
         for c in study["configurations"]:
             first = c["points"][0]
-            lines.append(f"| {name} | {c['name']} | {percent(first['direct'])} | {percent(first['ao'])} | {percent(first['full'])} |")
+            lines.append(f"| {name} | {c['name']} | {percent(first['direct'])} | {percent(first['ao'])} | "
+                         f"{percent(first['full'])} |")
     return "\n".join(lines)
 
 
@@ -101,13 +107,14 @@ def first_hits(studies):
 
 def readme(studies):
     device = next(iter(studies.values()))[0]["device"]
-    pictures = "\n\n".join(f"## {name}\n\n![{name}]({name}.png)\n\n`{command}`" for name, (_, command) in studies.items())
+    pictures = "\n\n".join(f"## {name}\n\n![{name}]({name}.png)\n\n`{command}`"
+                           for name, (_, command) in studies.items())
     return f"""# Hybrid rendering against path tracing
 
-{SIZE[0]}x{SIZE[1]} on {device['name']} ({device['driver']}). Made by `benchmarks/hybrid_gallery.py`, which runs the commands below.
-Errors are relative RMS (the root of relMSE): direct light and the full picture against a path-traced reference, occlusion
-against a reference of its own. A frame is one sample of every pixel; milliseconds are of rendering alone. "levels off": the
-error that no number of frames takes away. {len(studies)} scenes.
+{SIZE[0]}x{SIZE[1]} on {device['name']} ({device['driver']}). Made by `benchmarks/hybrid_gallery.py`, which runs the
+commands below. Errors are relative RMS (the root of relMSE): direct light and the full picture against a path-traced
+reference, occlusion against a reference of its own. A frame is one sample of every pixel; milliseconds are of rendering
+alone. "levels off": the error that no number of frames takes away. {len(studies)} scenes.
 
 {table(studies)}
 
@@ -138,7 +145,8 @@ def main():
     for name in SCENES:
         folder, record = arguments.work.resolve() / name, arguments.work / f"{name}.txt"
         if not arguments.redraw:
-            command = run_study(str(pathlib.Path(arguments.program).resolve()), name, arguments.assets, folder, arguments.budget)
+            command = run_study(str(pathlib.Path(arguments.program).resolve()), name, arguments.assets, folder,
+                                arguments.budget)
             if command is None:
                 print(f"{name}: {SCENES[name]['scene']} is not in {arguments.assets}", file=sys.stderr)
                 continue

@@ -2,7 +2,8 @@
 """Instructions of the path tracer's kernels as scenes have them, in two source trees: instruction_counts.py OLD NEW
 
 SPIR-V is specialized for a scene's features and optimized by spirv-opt (Debian: spirv-tools), which folds away what the
-scene does not use, as drivers do; counted is what is left inside functions. No device, no clock: the same on any machine."""
+scene does not use, as drivers do; counted is what is left inside functions. No device, no clock: the same on any
+machine."""
 
 import pathlib
 import re
@@ -14,7 +15,8 @@ KERNELS = ["generate", "extend", "shade", "connect", "accumulate"]
 # kFeature bits of kernels/base/features.h that packing a scene sets.
 SCENES = {
     "Cornell box": ["Cull", "Emission", "TriangleLights"],
-    "Sponza, lat-long environment": ["Alpha", "Cull", "Textures", "NormalMaps", "SmoothNormals", "Specular", "Environment",
+    "Sponza, lat-long environment": ["Alpha", "Cull", "Textures", "NormalMaps", "SmoothNormals", "Specular",
+                                     "Environment",
                                      "EnvironmentMap", "BaseColorTextures", "MetallicRoughnessTextures"],
 }
 STACK = 62  # entries

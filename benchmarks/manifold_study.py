@@ -4,24 +4,25 @@
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 nice -n 19 python3 benchmarks/manifold_study.py --json study.json
 
 A picture of a diffuse floor, whose light is that of a point lamp through a chain of smooth dielectrics of ior 1.5.
-Pixels are means of irradiance over their squares, and every sample falls elsewhere in its pixel. Normals, curvatures and
-intersections are exact and in double precision, which is the best case of manifold sampling. Needs numpy.
+Pixels are means of irradiance over their squares, and every sample falls elsewhere in its pixel. Normals, curvatures
+and intersections are exact and in double precision, which is the best case of manifold sampling. Needs numpy.
 
-manifold  Specular manifold sampling (Zeltner, Georgiev, Jakob 2020), unbiased: one walk a sample, by Newton steps that are
-          halved where the chain breaks or ends no nearer. Once it has found a root, walks until that is found again count
-          for its reciprocal probability, --most-trials at most: what is lacking then is the bias. The lamp's directions
-          are the two unknowns. Walks begin all over the cone around what can light the picture, as light paths do.
+manifold  Specular manifold sampling (Zeltner, Georgiev, Jakob 2020), unbiased: one walk a sample, by Newton steps that
+          are halved where the chain breaks or ends no nearer. Once it has found a root, walks until that is found again
+          count for its reciprocal probability, --most-trials at most: what is lacking then is the bias. The lamp's
+          directions are the two unknowns. Walks begin all over the cone around what can light the picture, as light
+          paths do.
 near      The same where walks begin within the reach of glass, which only the reference tells: directions that without
           glass would light a disk around the place, as large as any light of the picture is displaced.
 several   Biased: all different roots that --walks of these walks have found.
-aimed     Merging as docs/bidirectional.md has it: a pass has one light path and one place to gather at for each pixel; the
-          radius is 2 pixels times passes to the power of -1/6. At each surface chance picks refraction or reflection, and
-          what is reflected is not followed. Light paths begin in the cone.
+aimed     Merging as docs/bidirectional.md has it: a pass has one light path and one place to gather at for each pixel;
+          the radius is 2 pixels times passes to the power of -1/6. At each surface chance picks refraction or
+          reflection, and what is reflected is not followed. Light paths begin in the cone.
 emitted   The same with light paths in all directions, as the renderer has them.
 
 Rays: each surface that a chain meets or misses is one, also in steps that are taken back; derivatives are free; a root
-costs one more, for what is between the last surface and the floor. A light path costs one for each surface and one to the
-floor; the look-up is free. A sample of a pixel costs --camera-rays more, with either method.
+costs one more, for what is between the last surface and the floor. A light path costs one for each surface and one to
+the floor; the look-up is free. A sample of a pixel costs --camera-rays more, with either method.
 
 relMSE is the mean over pixels of (x - r)^2 / (r^2 + 0.01 mean(r)^2), and over seeds. The reference r is the light of a
 dense lattice of directions, without derivatives; its floor is what its two halves tell of its own error.
@@ -74,7 +75,8 @@ class Ball:
 
 
 class Water:
-    """y = level + a sum of sines, inside of a round window; waves: height, length, angle, phase; `finer`: in all of them."""
+    """y = level + a sum of sines, inside of a round window; waves: height, length, angle, phase; `finer`: in all of
+    them."""
 
     def __init__(self, level, radius, finer=1):
         self.level, self.radius = level, radius
@@ -98,7 +100,8 @@ class Water:
 
     def normal(self, p):
         waves, zero = list(self.sines(p[0], p[2])), np.zeros_like(p[0])
-        n = np.stack([-sum(a * cosine for a, _, _, cosine in waves), zero + 1, -sum(b * cosine for _, b, _, cosine in waves)])
+        n = np.stack([-sum(a * cosine for a, _, _, cosine in waves), zero + 1,
+                      -sum(b * cosine for _, b, _, cosine in waves)])
         length = np.sqrt(dot(n, n))
         n = n / length
 
@@ -120,12 +123,14 @@ class Scene:
 
     def directions(self, u, v):
         cosine, (side, up) = 1 - u * (1 - self.cosine), across(self.axis)
-        return cosine * self.axis + np.sqrt(1 - cosine**2) * (np.cos(2 * math.pi * v) * side + np.sin(2 * math.pi * v) * up)
+        sine, turn = np.sqrt(1 - cosine**2), 2 * math.pi * v
+        return cosine * self.axis + sine * (np.cos(turn) * side + np.sin(turn) * up)
 
     def places(self, rng, samples):
         """One in each pixel: 2 x samples x pixels."""
         z, x = np.divmod(np.arange(self.pixels), self.side)
-        return (np.stack([x, z])[:, None] + rng.random((2, samples, self.pixels))) * self.pixel + self.corner[:, :, None]
+        pixels = np.stack([x, z])[:, None]
+        return (pixels + rng.random((2, samples, self.pixels))) * self.pixel + self.corner[:, :, None]
 
     def cells(self, places):
         return np.floor((places - self.corner) / self.pixel).astype(int)
@@ -162,8 +167,9 @@ def reflectance(before, behind, eta):
 
 
 def shine(scene, d, rng=None, derivatives=False):
-    """Follows the lamp's light in directions d: where it lands, which share (with an rng, chance decides at each surface
-    and the share is 1 or 0), rays, and the change of the place by changes of d across it: 2 x 2 x directions."""
+    """Follows the lamp's light in directions d: where it lands, which share (with an rng, chance decides at each
+    surface and the share is 1 or 0), rays, and the change of the place by changes of d across it: 2 x 2 x
+    directions."""
     p, share, rays = np.broadcast_to(scene.lamp, d.shape), np.ones(d.shape[1]), np.zeros(d.shape[1], int)
     changes = [(np.zeros_like(d), dd) for dd in across(d)] if derivatives else []
     for surface, entering, eta in scene.chain:
@@ -208,7 +214,8 @@ def walk(scene, places, rng, reach):
         miss = place - places[:, at]
         area = by_side[0] * by_up[1] - by_side[1] * by_up[0]
         side, up = across(trial)
-        newton = ((by_up[0] * miss[1] - by_up[1] * miss[0]) * side + (by_side[1] * miss[0] - by_side[0] * miss[1]) * up) / area
+        newton = ((by_up[0] * miss[1] - by_up[1] * miss[0]) * side +
+                  (by_side[1] * miss[0] - by_side[0] * miss[1]) * up) / area
         off = np.sqrt(dot(miss, miss))
         better = (share > 0) & (off < nearest)
         d, step, nearest = np.where(better, trial, d), np.where(better, newton, step), np.where(better, off, nearest)
@@ -239,11 +246,14 @@ class Manifold:
         lit = np.flatnonzero(light)
         count, more = self.trials(places[:, lit], root[:, lit], rng)
         light[lit] *= count
-        self.walks, self.roots, self.counted = self.walks + len(light), self.roots + len(lit), self.counted + count.sum()
+        self.walks += len(light)
+        self.roots += len(lit)
+        self.counted += count.sum()
         return light.reshape(samples, -1).sum(0), rays.sum() + more + len(lit)
 
     def trials(self, places, root, rng):
-        """Walks until each root is found again, and their rays. More go at once than may be needed; those do not count."""
+        """Walks until each root is found again, and their rays. More go at once than may be needed; those do not
+        count."""
         count, rays, done, pending = np.zeros(places.shape[1], int), 0, 0, np.arange(places.shape[1])
         while len(pending) and done < self.most:
             some = min(max(LANES // len(pending), 1), self.most - done)
@@ -340,7 +350,8 @@ def study(scene, args, grid):
     if reach > scene.lamp[1, 0] * math.sqrt(1 / scene.cosine**2 - 1):
         reach = 0.0  # the cone is narrower
     methods = {"manifold": Manifold(scene, 0.0, args.most_trials), "near": Manifold(scene, reach, args.most_trials),
-               "several": Several(scene, reach, args.walks), "aimed": Merging(scene, False), "emitted": Merging(scene, True)}
+               "several": Several(scene, reach, args.walks), "aimed": Merging(scene, False),
+               "emitted": Merging(scene, True)}
     if not reach:
         del methods["near"]
     told = {}

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The light that materials return, wavepath against Cycles: balls in a grid, one material each, in the same light.
 
-Cycles renders each scene three times: as Blender's importer makes it; with all bounces between microfacets (multi); with
-smooth layers that take their share from what is below, as glTF has it, instead of adding to it (mixed). That tells what of a
-difference is the importer's, and what the model's. Needs Debian's blender, python3-numpy and openimageio-tools. See
---help; results in benchmarks/results/llvmpipe/materials.
+Cycles renders each scene three times: as Blender's importer makes it; with all bounces between microfacets (multi);
+with smooth layers that take their share from what is below, as glTF has it, instead of adding to it (mixed). That tells
+what of a difference is the importer's, and what the model's. Needs Debian's blender, python3-numpy and
+openimageio-tools. See --help; results in benchmarks/results/llvmpipe/materials.
 """
 
 import argparse
@@ -72,7 +72,8 @@ SCENES = {
     "sheen": {"sheen on black": cloth(BLACK), "sheen on red": cloth(RED), "no sheen": [((RED, {}), MATT)] * 4},
 }
 LAYERED = ("dielectric", "coat", "terms")  # where layers mixed make a difference
-FILES = {"helmet": ("DamagedHelmet/glTF-Binary/DamagedHelmet.glb", 2.6), "bottle": ("WaterBottle/glTF/WaterBottle.gltf", 0.4)}
+FILES = {"helmet": ("DamagedHelmet/glTF-Binary/DamagedHelmet.glb", 2.6),
+         "bottle": ("WaterBottle/glTF/WaterBottle.gltf", 0.4)}
 
 
 def place(column, line):
@@ -97,11 +98,13 @@ def balls(name):
 
 
 def view_of(args, name, environment):
-    view = {"environment": environment, "intensity": 1, "lambert": "none", "punctual": False, "max_depth": args.max_depth,
+    view = {"environment": environment, "intensity": 1, "lambert": "none", "punctual": False,
+            "max_depth": args.max_depth,
             "size": SIZE, "eye": [0, 0, DISTANCE], "look_at": [0, 0, 0], "told": {}}
     if name in FILES:
         path, height = FILES[name]
-        return view | {"scene": str((args.assets / path).resolve()), "yfov": math.degrees(2 * math.atan(height / 2 / DISTANCE))}
+        return view | {"scene": str((args.assets / path).resolve()),
+                       "yfov": math.degrees(2 * math.atan(height / 2 / DISTANCE))}
     g, view["told"] = balls(name)
     view["scene"] = str(args.work / f"{name}.glb")
     pathlib.Path(view["scene"]).write_bytes(g.binary())
@@ -153,7 +156,8 @@ def study(args, name, environment):
             for seed, path in zip(SEEDS, paths[model]):
                 cycles.render(args.spp, seed, path)
     pictures = {key: [read_exr(p)[2] for p in paths[key]] for key in ("wavepath", *models)}
-    print(f"\n### {name}, {light}\n\n| what | ours | {' | '.join(models)} | +- |\n| --- | --- |{' --- |' * len(models)} --- |")
+    print(f"\n### {name}, {light}\n\n| what | ours | {' | '.join(models)} | +- |\n| --- | --- "
+          f"|{' --- |' * len(models)} --- |")
     regions = {} if name in FILES else {f"{label}, {column + 1}": inside(column, line)
                                         for line, label in enumerate(SCENES[name]) for column in range(COLUMNS)}
     for label, pixels in (regions | {"**whole picture**": range(SIZE[0] * SIZE[1])}).items():
@@ -167,13 +171,16 @@ def study(args, name, environment):
 
 def strip(rows, out):
     """A row a scene: ours, Cycles' as imported, Cycles' nearest to ours."""
-    subprocess.run(["oiiotool", *(tile for row in rows for tile in row), "--mosaic:pad=4", f"3x{len(rows)}", "--ch", "R,G,B",
-                    "--colorconvert", "linear", "sRGB", "--compression", "jpeg:85", "-d", "uint8", "-o", out], check=True)
+    subprocess.run(["oiiotool", *(tile for row in rows for tile in row), "--mosaic:pad=4", f"3x{len(rows)}", "--ch",
+                    "R,G,B",
+                    "--colorconvert", "linear", "sRGB", "--compression", "jpeg:85", "-d", "uint8", "-o", out],
+                    check=True)
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="SCENE", help=f"{', '.join([*SCENES, *FILES])} [default: all that are there]")
+    parser.add_argument("names", nargs="*", metavar="SCENE", help=f"{', '.join([*SCENES, *FILES])} [default: all that "
+                                                                  f"are there]")
     parser.add_argument("--env", default="1,1,1", help="a lat-long picture or three numbers [default: 1,1,1]")
     parser.add_argument("--assets", type=pathlib.Path, help="folder that has DamagedHelmet and WaterBottle")
     parser.add_argument("--wavepath", type=pathlib.Path, default=ROOT / "build/host/wavepath",

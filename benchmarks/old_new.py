@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Whether one executable renders slower than another: the same scenes with both in turns, the order changing each time.
-Prints for each scene the median seconds of the whole process, which is what a user waits for, their ratio (new / old), and the
-smallest and largest ratio among the pairs that ran one after the other; then the ratio of the fastest runs, which other load
-on the machine disturbs least, and those of the medians of seconds.render, which need not count the same in both (before
-estimates of the error ran beside the waves they did not count), and of CPU time. On a busy machine, only the last of these
-means anything.
+Prints for each scene the median seconds of the whole process, which is what a user waits for, their ratio (new / old),
+and the smallest and largest ratio among the pairs that ran one after the other; then the ratio of the fastest runs,
+which other load on the machine disturbs least, and those of the medians of seconds.render, which need not count the
+same in both (before estimates of the error ran beside the waves they did not count), and of CPU time. On a busy
+machine, only the last of these means anything.
 
 Usage: old_new.py [flags] OLD NEW
-The exit code is 1 if a scene's ratio of medians is above --limit, and the last lines name it: `slower` if every pair says so,
-`unclear` if in some pair the new executable was not the slower one."""
+The exit code is 1 if a scene's ratio of medians is above --limit, and the last lines name it: `slower` if every pair
+says so, `unclear` if in some pair the new executable was not the slower one."""
 
 import argparse
 import json
@@ -57,7 +57,8 @@ def run(executable, scene, flags, folder):
 
 
 def measure(executables, scene, flags, repetitions):
-    """Pairs of runs, (old, new). The first pair, which compiles kernels and reads files for the first time, does not count."""
+    """Pairs of runs, (old, new). The first pair, which compiles kernels and reads files for the first time, does not
+    count."""
     pairs = []
     with tempfile.TemporaryDirectory() as folder:
         for i in range(repetitions + 1):
@@ -79,7 +80,8 @@ def ratios(pairs):
     of_pairs = [new["wall"] / old["wall"] for old, new in pairs]
     return {"old": statistics.median(column(0, "wall")), "new": statistics.median(column(1, "wall")),
             "ratio": ratio("wall", statistics.median), "least": min(of_pairs), "most": max(of_pairs),
-            "fastest": ratio("wall", min), "render": ratio("render", statistics.median), "cpu": ratio("cpu", statistics.median)}
+            "fastest": ratio("wall", min), "render": ratio("render", statistics.median),
+            "cpu": ratio("cpu", statistics.median)}
 
 
 def main():
@@ -88,11 +90,13 @@ def main():
     parser.add_argument("new")
     parser.add_argument("-n", type=int, default=5, metavar="N", help="pairs of runs a scene [default: 5]")
     parser.add_argument("-r", default="", metavar="REGEX", help="only the scenes whose name matches")
-    parser.add_argument("--limit", type=float, default=1.02, metavar="X", help="largest ratio of medians [default: 1.02]")
+    parser.add_argument("--limit", type=float, default=1.02, metavar="X",
+                        help="largest ratio of medians [default: 1.02]")
     parser.add_argument("--json", metavar="FILE", help="write all runs here")
     args = parser.parse_args()
     executables = [os.path.abspath(args.old), os.path.abspath(args.new)]
-    print(f"{'scene':20} {'old s':>8} {'new s':>8} {'ratio':>6} {'least':>6} {'most':>6} {'fastest':>8} {'render':>7} {'cpu':>6}")
+    print(f"{'scene':20} {'old s':>8} {'new s':>8} {'ratio':>6} {'least':>6} {'most':>6} {'fastest':>8} {'render':>7} "
+          f"{'cpu':>6}")
     results, above = {}, {"slower": [], "unclear": []}
     for name, scene, flags in SCENES:
         if not re.search(args.r, name):
@@ -102,8 +106,8 @@ def main():
             continue
         results[name] = measure(executables, scene, flags, args.n)
         row = ratios(results[name])
-        print(f"{name:20} {row['old']:8.3f} {row['new']:8.3f} {row['ratio']:6.3f} {row['least']:6.3f} {row['most']:6.3f} "
-              f"{row['fastest']:8.3f} {row['render']:7.3f} {row['cpu']:6.3f}", flush=True)
+        print(f"{name:20} {row['old']:8.3f} {row['new']:8.3f} {row['ratio']:6.3f} {row['least']:6.3f} "
+              f"{row['most']:6.3f} {row['fastest']:8.3f} {row['render']:7.3f} {row['cpu']:6.3f}", flush=True)
         if row["ratio"] > args.limit:
             above["slower" if row["least"] > 1 else "unclear"].append(name)
     if args.json:

@@ -75,7 +75,8 @@ class Cycles:
         # Blender takes its Python packages from beside the first python3 in PATH: let that be its own distribution's.
         own = pathlib.Path(shutil.which(blender)).parent
         environment = dict(os.environ, PATH=f"{own}{os.pathsep}{os.environ['PATH']}")
-        command = [blender, "-b", "--factory-startup", "--debug-cycles", "--python-exit-code", "1", "-P", str(self.driver)]
+        command = [blender, "-b", "--factory-startup", "--debug-cycles", "--python-exit-code", "1", "-P",
+                   str(self.driver)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True, env=environment)
         self.version = self.ask(view)[-1].removeprefix("DONE ").strip()

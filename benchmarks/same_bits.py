@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compares pictures bit by bit: every channel of two EXR files, or every file of two folders. Attributes of EXR files do
-not count; size and channels do. Files of other kinds must have the same bytes. Each difference is a line; the exit code
-says whether there was one.
+"""Compares pictures bit by bit: every channel of two EXR files, or every file of two folders. Attributes of EXR files
+do not count; size and channels do. Files of other kinds must have the same bytes. Each difference is a line; the exit
+code says whether there was one.
 
 Usage: same_bits.py [--name NAME] OTHER THIS
 
-This is a reader of its own, so that it compares what lies in the file: libraries convert half and uint to float, and may
-change the payload of a NaN."""
+This is a reader of its own, so that it compares what lies in the file: libraries convert half and uint to float, and
+may change the payload of a NaN."""
 
 import argparse
 import itertools
@@ -27,7 +27,8 @@ def text(data, at):
 
 
 class Exr:
-    """The channels of a file with a single part of scan lines, in the file's order (by name), and its blocks by line."""
+    """The channels of a file with a single part of scan lines, in the file's order (by name), and its blocks by
+    line."""
 
     def __init__(self, path):
         self.data = pathlib.Path(path).read_bytes()
@@ -79,8 +80,8 @@ class Exr:
     def unpack(self, block, y):
         size = min(BLOCK_LINES[self.compression], self.size[1] - y) * self.line_bytes
         if self.compression and len(block) < size:  # a block that does not shrink is stored as it is
-            # Every byte is stored as its difference to the one before, plus 128. The bytes at even places come first, then
-            # those at odd places.
+            # Every byte is stored as its difference to the one before, plus 128. The bytes at even places come first,
+            # then those at odd places.
             deltas = zlib.decompress(block)
             values = bytes(v & 255 for v in itertools.accumulate(deltas, lambda a, b: a + b - 128))
             half = (len(values) + 1) // 2
@@ -102,7 +103,8 @@ def compare_exr(other, this):
     if other.size != this.size:
         return ["size: {}x{} became {}x{}".format(*other.size, *this.size)]
     if other.channels != this.channels:
-        gone, new = (sorted(set(a) - set(b)) for a, b in ((other.channels, this.channels), (this.channels, other.channels)))
+        gone, new = (sorted(set(a) - set(b)) for a, b in ((other.channels, this.channels),
+                                                          (this.channels, other.channels)))
         told = [f"{sign}{name} ({TYPE_NAMES[kind]})" for sign, some in (("-", gone), ("+", new)) for name, kind in some]
         return ["channels: " + " ".join(told)]
     if (other.compression, other.blocks) == (this.compression, this.blocks):
@@ -131,9 +133,11 @@ def compare_bytes(other, this):
     a, b = pathlib.Path(other).read_bytes(), pathlib.Path(this).read_bytes()
     if a == b:
         return []
-    for i, (line_a, line_b) in enumerate(itertools.zip_longest(a.splitlines(), b.splitlines(), fillvalue=b"nothing"), 1):
+    for i, (line_a, line_b) in enumerate(itertools.zip_longest(a.splitlines(), b.splitlines(), fillvalue=b"nothing"),
+                                         1):
         if line_a != line_b:
-            return [f"line {i}: {line_a.decode(errors='replace').strip()} became {line_b.decode(errors='replace').strip()}"]
+            return [f"line {i}: {line_a.decode(errors='replace').strip()} became "
+                    f"{line_b.decode(errors='replace').strip()}"]
     return ["ends of lines differ"]
 
 

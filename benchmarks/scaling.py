@@ -31,7 +31,8 @@ def wavepath(binary, *arguments):
 def render(binary, scene, spp, size, *more):
     with tempfile.TemporaryDirectory() as folder:
         return json.loads(wavepath(binary, "render", scene, "--spp", spp, "--size", size, "--bvh", "best",
-                                   "--adaptive", "off", "--json", "-q", "-o", pathlib.Path(folder) / "picture.exr", *more))
+                                   "--adaptive", "off", "--json", "-q", "-o", pathlib.Path(folder) / "picture.exr",
+                                   *more))
 
 
 def bench(binary, scene, *more):
@@ -58,7 +59,8 @@ def exponent(points, key="seconds"):
 
 def linear(title, unit, counts, reps, run, idle):
     """All counts in turn, `reps` times over, so that other load on the machine disturbs all alike. Processor seconds
-    notice that less, where the device is a CPU; `idle`, an execution that renders next to nothing, is taken off them."""
+    notice that less, where the device is a CPU; `idle`, an execution that renders next to nothing, is taken off
+    them."""
     seconds, processor, started = {n: [] for n in counts}, {n: [] for n in counts}, []
     for _ in range(reps):
         started.append(processor_seconds(idle)[1])

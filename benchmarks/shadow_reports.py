@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Scores every shadow technique on seven scenes: shadow_reports.py --assets FOLDER [--only NAME ...] [--budget S] [--table]
+"""Scores every shadow technique on seven scenes: shadow_reports.py --assets FOLDER [--only NAME ...] [--budget S]
+[--table]
 
-Runs `wavepath study --shadows` on each of SCENES and writes results/llvmpipe/shadows/NAME/report.html and study.csv, and
-README.md's tables from all that are there; --table: these alone. FOLDER holds the public scenes Sponza and HotelRoom."""
+Runs `wavepath study --shadows` on each of SCENES and writes results/llvmpipe/shadows/NAME/report.html and study.csv,
+and README.md's tables from all that are there; --table: these alone. FOLDER holds the public scenes Sponza and
+HotelRoom."""
 
 import argparse
 import csv
@@ -22,14 +24,15 @@ SCENES = {  # name: what it shows, file, what makes it, flags
     "sponza_sun": ("Sponza under a high sun", "Sponza/Sponza.gltf", None,
                    "--eye 4,1.8,0.2 --look-at -10,2.2,-0.3 --yfov 65 --sun 60,80 --env black"),
     "tree": ("a tree, leaves cut out by alpha, under a sun", "tree.glb", "shadow_scenes.py tree", ""),
-    "room_spot": ("HotelRoom under one spot", "room_spot.glb", "shadow_scenes.py room_spot HotelRoom/HotelRoom-plain.glb",
+    "room_spot": ("HotelRoom under one spot", "room_spot.glb", "shadow_scenes.py room_spot "
+                                                               "HotelRoom/HotelRoom-plain.glb",
                   ""),
     "terrain": ("200,000 triangles of hills under a low sun", "terrain.glb", "terrain.py 200000",
                 "--eye 0,12,45 --look-at 0,0,-10 --yfov 50 --sun 40,12 --env black"),
     "rails": ("bars of 12 mm and wires of 3 mm under a low sun", "rails.glb", "shadow_scenes.py rails", ""),
 }
-HEAD = ("| technique, texels | error by shadows | falsely lit | falsely dark | edges off by pixels | penumbra over the true one | "
-        "ms to build | ms to look up | MiB |\n|" + " --- |" * 9)
+HEAD = ("| technique, texels | error by shadows | falsely lit | falsely dark | edges off by pixels | penumbra over the "
+        "true one | ms to build | ms to look up | MiB |\n|" + " --- |" * 9)
 
 
 def study(program, assets, name, budget, size):
@@ -45,7 +48,8 @@ def study(program, assets, name, budget, size):
         elif not (folder / file).exists():
             shutil.copy(ROOT / "scenes" / file, folder)
         environment = {k: v for k, v in os.environ.items() if k != "WAVEPATH_VALIDATION"}
-        environment["PATH"] = f"{pathlib.Path(program).resolve().parent}:{environment['PATH']}"  # pages name the program
+        # Pages name the program.
+        environment["PATH"] = f"{pathlib.Path(program).resolve().parent}:{environment['PATH']}"
         subprocess.run(["wavepath", "study", file, "--shadows", "-o", name, "--size", size, "--budget", str(budget),
                         "--reference-spp", "256",
                         *flags.split()], cwd=folder, check=True, env=environment)
@@ -67,8 +71,10 @@ def table(name):
     def cells(row):
         size = f", {row['shadow-size']}" if row["shadow-size"] else ""
         numbers = [f"{100 * float(row[key]):.2f} %" for key in ("shadow_relative_rms", "falsely_lit", "falsely_dark")]
-        numbers += [f"{float(row[key]):.2f}" if row[key] else "-" for key in ("edge_displacement_pixels", "penumbra_ratio")]
-        numbers += [f"{float(row['build_ms']):.1f}", f"{float(row['look_up_ms']):.1f}", f"{int(row['bytes']) / 2**20:.1f}"]
+        numbers += [f"{float(row[key]):.2f}" if row[key] else "-"
+                    for key in ("edge_displacement_pixels", "penumbra_ratio")]
+        numbers += [f"{float(row['build_ms']):.1f}", f"{float(row['look_up_ms']):.1f}",
+                    f"{int(row['bytes']) / 2**20:.1f}"]
         return f"| {row['shadows']}{size} | " + " | ".join(numbers) + " |"
 
     return samples, [HEAD, *(cells(row) for row in sorted(best.values(), key=error))]
@@ -83,7 +89,8 @@ def write_tables():
         samples, rows = table(name)
         command = f"wavepath study {file} --shadows {flags}".strip()
         body = "\n".join([f"<!-- {name} -->", f"## {about[0].upper()}{about[1:]}", "",
-                          f"`{command}`, {samples} samples a pixel. [Page]({name}/report.html), [table]({name}/study.csv).",
+                          f"`{command}`, {samples} samples a pixel. [Page]({name}/report.html), "
+                          f"[table]({name}/study.csv).",
                           "", *rows, f"<!-- /{name} -->"])
         found = re.compile(rf"<!-- {name} -->.*?<!-- /{name} -->", re.S)
         text = found.sub(lambda _: body, text) if found.search(text) else f"{text.rstrip()}\n\n{body}\n"

@@ -18,6 +18,19 @@ constexpr std::uint32_t kShare = 16; // one node in so many, those of the larges
 constexpr std::uint32_t kNone = ~0u;
 
 // A move of a node that makes the tree cheaper: it becomes the sibling of `target`, under a new parent.
+//
+//     before              after
+//     C                   C              the lowest node above both ends, whose box stays
+//     |- Q                |- Q           nodes between C and the old parent shrink: Q encloses node no longer
+//     |  |- parent        |  |- sibling  the old parent goes, its other child takes its place
+//     |  |  |- node       |  '- ...
+//     |  |  '- sibling    '- R           nodes between C and the target grow: R encloses node as well
+//     |  '- ...              |- new      the new parent
+//     '- R                   |  |- node
+//        |- target           |  '- target
+//        '- ...              '- ...
+//
+//     gain = area(parent) - area(new) + sum of (area(Q) - area(Q without node)) - sum of (area(R with node) - area(R))
 struct Move {
   std::uint32_t node = kNone, target = kNone;
   double gain = 0.0; // reduction of the summed half area

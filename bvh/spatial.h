@@ -9,10 +9,10 @@
 
 namespace wavepath::bvh {
 
-// The root of what is empty of the triangle's box, as surface area / 2 in units of half_area(). What a neighbour across
-// the longest side would fill counts as full: a right triangle with legs along two axes, where cuts gain nothing, has
-// no slack, and a long thin one between axes has most. n boxes around the parts of such a one leave 1/n of that empty,
-// so that copies save most where they are shared out by this root.
+// Square root of the empty part of the triangle's box, as half a surface area in units of half_area(). Space that a
+// mirrored neighbour across the longest edge would fill counts as full. So a right triangle with legs along two axes,
+// where cuts gain nothing, has slack 0, and a long thin diagonal one has most. Boxes around n parts of such a triangle
+// leave 1/n of that part empty: copies that are distributed in proportion to this root save most area.
 float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size);
 
 // Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is

@@ -1,5 +1,20 @@
 // The 4-wide BVH that the kernels traverse: 48 bytes a node, read in three loads of 16.
 //
+//     load 0                       load 1                              load 2
+//     +------------------+--------+--------+--------+--------+--------+--------+--------+-------------+------------+
+//     | origin x, y, z   | layout |  lo_x  |  hi_x  |  lo_y  |  hi_y  |  lo_z  |  hi_z  | first_child | first_item |
+//     +------------------+--------+--------+--------+--------+--------+--------+--------+-------------+------------+
+//     bytes 0            12       16       20       24       28       32       36       40            44          48
+//
+//     lo_x ... hi_z: a byte for each of the four slots. layout, from its highest bit:
+//     | 31 items of slots 3, 2, 1, 0  24 | 23 inner_count 21 | 20 cell of z 14 | 13 cell of y 7 | 6 cell of x 0 |
+//
+//     A node with two inner children and two leaves, of 1 and 3 items:
+//     slot    0                  1                  2                    3
+//     holds   inner node         inner node         leaf                 leaf
+//     at      first_child        first_child + 1    item first_item      items first_item + 1, + 2, + 3
+//     items   0                  0                  1                    3
+//
 // The boxes of the children lie on a grid of the node's own (quantized boxes: Ylitie, Karras, Laine 2017): plane q of
 // an axis is at origin + q * cell, 0 <= q <= 255, and the box in the node contains the child's box with a margin of
 // kGridMargin cells on every side, which covers the rounding in the slab test (see intersect.h).

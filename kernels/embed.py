@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Embeds a SPIR-V module as a C array, all its floating-point arithmetic marked NoContraction: embed.py IN.spv NAME OUT.h
+"""Embeds a SPIR-V module as a C array, its floating-point arithmetic marked NoContraction: embed.py IN.spv NAME OUT.h
 
-Without the mark a driver may fuse, reassociate or cancel terms, and does so differently in each specialization of a kernel:
-generic and specialized kernels then differ in the last bit. With it, what is written is what is computed, everywhere.
+Without the mark a driver may fuse, reassociate or cancel terms, and does so differently in each specialization of a
+kernel: generic and specialized kernels then differ in the last bit. With it, what is written is what is computed,
+everywhere.
 """
 
 import struct

@@ -133,17 +133,20 @@ def point_light():
 def point_light_with_range():
     g = receiver("point light whose range is 3 m, 2 m away")
     g.light("point", 10.0, COLOR_UNIT, position=(0.0, 2.0, 0.0), range=3.0)
-    g.expect("E = I/h^2 (1 - (h/range)^4), as KHR_lights_punctual has it", reflected(10.0 / 4 * (1 - (2 / 3) ** 4), COLOR_UNIT),
+    g.expect("E = I/h^2 (1 - (h/range)^4), as KHR_lights_punctual has it",
+             reflected(10.0 / 4 * (1 - (2 / 3) ** 4), COLOR_UNIT),
              flags(), exact=2e-6, estimators=NEEDS_LIGHT_SAMPLING)
     return g
 
 
 def roof_under_the_sun():
     g = receiver("single-sided roof that faces the sun, and a lamp below it")
-    g.mesh("roof", quad((-5.0, 1.0, 5.0), (5.0, 1.0, 5.0), (5.0, 1.0, -5.0), (-5.0, 1.0, -5.0)), g.lambert("black", (0.0, 0.0, 0.0)))
+    g.mesh("roof", quad((-5.0, 1.0, 5.0), (5.0, 1.0, 5.0), (5.0, 1.0, -5.0), (-5.0, 1.0, -5.0)),
+           g.lambert("black", (0.0, 0.0, 0.0)))
     g.light("directional", 10.0, COLOR_UNIT, direction=(0.0, -1.0, 0.0))
     g.light("point", 1.0, COLOR_UNIT, position=(0.0, 0.5, 0.0))
-    g.expect("the lamp's E = I/h^2 alone, h = 1/2", reflected(4.0, COLOR_UNIT), flags(), estimators=NEEDS_LIGHT_SAMPLING)
+    g.expect("the lamp's E = I/h^2 alone, h = 1/2", reflected(4.0, COLOR_UNIT), flags(),
+             estimators=NEEDS_LIGHT_SAMPLING)
     return g
 
 
@@ -318,8 +321,10 @@ def occlusion_in_open_box():
 def scenes():
     """File stem, scene."""
     for build in (disc_light, half_hidden_disc_light, sphere_light, tilted_sphere_light, rectangle_light_corner,
-                  rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light, point_light_with_range,
-                  roof_under_the_sun, directional_light, spot_light, flat_scales, lights_of_all_sizes, facing_squares, adjacent_squares, inside_glowing_cube, enclosure,
+                  rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light,
+                  point_light_with_range,
+                  roof_under_the_sun, directional_light, spot_light, flat_scales, lights_of_all_sizes, facing_squares,
+                  adjacent_squares, inside_glowing_cube, enclosure,
                   truncated_enclosure, point_light_in_sphere, lit_ceiling, occlusion_by_wall, occlusion_in_wedge,
                   occlusion_in_corner, occlusion_in_open_box):
         yield build.__name__, build()

@@ -100,7 +100,8 @@ def absorbing_slab():
 def absorbing_glass_slab():
     tint = (0.9, 0.5, 0.2)
     return slab("absorbing glass slab", "T = (1-F)^2 a/(1 - F^2 a^2), a = tint^(0.2 m/0.1 m)",
-                [oracles.slab(0.04, t * t) for t in tint], slack=ABSORBING_SLACK, ior=1.5, attenuation=tint, distance=0.1)
+                [oracles.slab(0.04, t * t) for t in tint], slack=ABSORBING_SLACK, ior=1.5, attenuation=tint,
+                distance=0.1)
 
 
 SLANTED_SUN = (0.6, -0.8, 0.0)
@@ -109,7 +110,8 @@ SLANTED_SUN = (0.6, -0.8, 0.0)
 def fog(tint, color=0.0, g=0.0):
     """A material of ior 1, and its extinction and scattering by channel, per metre."""
     extinction = [-math.log(t) for t in tint]
-    return dict(ior=1.0, attenuation=tint, distance=1.0), extinction, [e * oracles.scattering_albedo(color, g) for e in extinction]
+    return dict(ior=1.0, attenuation=tint, distance=1.0), extinction, [e * oracles.scattering_albedo(color, g)
+                                                                       for e in extinction]
 
 
 def floor_in_fog():
@@ -129,14 +131,16 @@ def sunbeam_in_fog():
     color, forward = 0.6, 0.5
     glass, extinction, scattering = fog((0.9, 0.6, 0.3), color, forward)
     index = g.glass("fog", **glass)
-    g.extend(g.doc["materials"][index], KHR_materials_volume_scatter={"multiscatterColor": [color] * 3, "scatterAnisotropy": forward})
+    g.extend(g.doc["materials"][index], KHR_materials_volume_scatter={"multiscatterColor": [color] * 3,
+                                                                      "scatterAnisotropy": forward})
     g.mesh("fog", box((-9.0, 0.0, -1.0), (9.0, 2.0, 1.0)), index)
     g.light("directional", 10.0, COLOR_UNIT, direction=SLANTED_SUN)
     g.camera((0.0, 1.0, 3.0), (0.0, 1.0, 0.0), extent=1e-6)
     phase = oracles.henyey_greenstein(forward, 0.0)
     once = [s * phase * math.exp(-e / 0.8) * (1 - math.exp(-2 * e)) / e for e, s in zip(extinction, scattering)]
-    g.expect("L = E p(90 deg) exp(-extinction x 1 m/cos) integral of scattering exp(-extinction z) over 2 m: three bounces are two "
-             "walls and one event", product([10.0] * 3, COLOR_UNIT, once), flags(1024, 3), estimators=NEEDS_LIGHT_SAMPLING)
+    g.expect("L = E p(90 deg) exp(-extinction x 1 m/cos) integral of scattering exp(-extinction z) over 2 m: three "
+             "bounces are two walls and one event", product([10.0] * 3, COLOR_UNIT, once), flags(1024, 3),
+             estimators=NEEDS_LIGHT_SAMPLING)
     return g
 
 

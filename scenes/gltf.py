@@ -227,7 +227,8 @@ class Gltf:
 
     def light(self, kind, intensity, color=(1.0, 1.0, 1.0), position=(0.0, 0.0, 0.0), direction=None, spot=None,
               range=None):
-        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: half angles; `range`: where it ends."""
+        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: half angles; `range`:
+        where it ends."""
         light = {"type": kind, "intensity": intensity, "color": list(color)}
         if spot:
             light["spot"] = {"innerConeAngle": spot[0], "outerConeAngle": spot[1]}

@@ -56,7 +56,8 @@ def slab(f, transmittance=1.0):
 
 
 def scattering_albedo(color, g):
-    """Of a single event, where a deep body reflects `color` (KHR_materials_volume_scatter; Kulla and Conty Estevez 2017)."""
+    """Of a single event, where a deep body reflects `color` (KHR_materials_volume_scatter; Kulla and Conty Estevez
+    2017)."""
     s = 4.09712 + 4.20863 * color - math.sqrt(9.59217 + 41.6808 * color + 17.7126 * color * color)
     return (1 - s * s) / (1 - g * s * s)
 

@@ -9,8 +9,8 @@ def chunk(kind, data):
 
 
 def png(width, height, palette, pixel, alpha=()):
-    """`palette`: up to 16 colours of three bytes. `pixel(x, y)`: index into it. `width` is even. `alpha`: a byte for the
-    first colours; the others are opaque."""
+    """`palette`: up to 16 colours of three bytes. `pixel(x, y)`: index into it. `width` is even. `alpha`: a byte for
+    the first colours; the others are opaque."""
     rows = bytearray()
     for y in range(height):
         rows.append(0)  # no filter

@@ -3,7 +3,7 @@
 
   sphere_lamp FILE.glb             the Cornell box, lit by a ball that hangs in its middle: penumbrae of all widths
   tree FILE.glb                    a tree with leaves cut out of cards by alpha, under a sun: many thin layers
-  rails FILE.glb                   a balustrade of thin bars and thinner wires under a low sun: casters finer than texels
+  rails FILE.glb                   a balustrade of bars and thinner wires under a low sun: casters finer than texels
   room_spot ROOM.glb FILE.glb      HotelRoom in metres, lit by one spot under its ceiling: large and small bodies
 """
 

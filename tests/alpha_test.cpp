@@ -15,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-// ---- the look-up of kernels/surface/texture.glsl and kernels/surface/surface.glsl, in single precision ------------------------------
+// ---- the look-up of kernels/surface/texture.glsl and kernels/surface/surface.glsl, in single precision --------------
 float wrapped(float u, Wrap wrap) {
   const auto fraction = [](float x) { return x - std::floor(x); };
   u = std::isfinite(u) ? u : 0.0f;
@@ -74,7 +74,7 @@ float looked_up_alpha(const Scene& scene, const glm::vec3& weights) {
   return alpha;
 }
 
-// ---- random triangles ------------------------------------------------------------------------------------------------
+// ---- random triangles -----------------------------------------------------------------------------------------------
 class Dice {
 public:
   explicit Dice(unsigned seed) : numbers_(seed) {}
@@ -252,7 +252,7 @@ TEST(Alpha, OfVerticesThatIsNotANumberMayBeAnything) {
   EXPECT_EQ(coverage_of(scene), Coverage::mixed);
 }
 
-// ---- packing -----------------------------------------------------------------------------------------------------------
+// ---- packing --------------------------------------------------------------------------------------------------------
 // Triangles in a row: opaque, a hole, cut out, and opaque.
 Scene row_of_four() {
   Scene scene = striped_scene(5.53f, 10.47f);

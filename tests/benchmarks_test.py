@@ -115,9 +115,11 @@ class Benchmarks(unittest.TestCase):
     def test_the_contact_sheet_tells_what_was_chosen_and_what_was_refused(self):
         told = "wavepath: light: --env sky, as for an interior\nwavepath: a.png (exposure -0.52): 64 spp in 1.0 s\n"
         self.assertEqual(contact_sheet.choices(told), ("sky", "-0.52"))
-        self.assertEqual(contact_sheet.choices("wavepath: light: as authored, by\nwavepath: a.png (exposure +3.00): 4 spp"),
+        self.assertEqual(contact_sheet.choices("wavepath: light: as authored, by\nwavepath: a.png (exposure +3.00): 4 "
+                                               "spp"),
                          ("as authored", "+3.00"))
-        self.assertEqual(contact_sheet.refusal("wavepath: warning: x\nwavepath: error: /a/b.glb: needs X; do Y\n"), "needs X; do Y")
+        self.assertEqual(contact_sheet.refusal("wavepath: warning: x\nwavepath: error: /a/b.glb: needs X; do Y\n"),
+                         "needs X; do Y")
         self.assertEqual(len(set(contact_sheet.ASSETS)), 30)
 
     def test_scripts_explain_themselves(self):

@@ -2,14 +2,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <regex>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/flags.h"
 #include "host/cli/progress.h"
 #include "host/picture/files/picture_io.h"
+#include "host/render/settings/settings_table.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 
@@ -44,8 +48,70 @@ std::string flowing(const std::string& text) {
 
 const std::string kBox = scene_file("cornell_box.gltf");
 
+// Lines of a help text that begin a flag.
+std::size_t flags_in(const std::string& help) {
+  const std::regex flag("\\n  (-[a-z], |    )--");
+  return static_cast<std::size_t>(std::distance(std::sregex_iterator(help.begin(), help.end(), flag), {}));
+}
+
+bool names_flag(const std::string& help, std::string_view name) {
+  return std::regex_search(help, std::regex(fmt::format("\n      --{}[ \n]", name)));
+}
+
+TEST(Help, ShowsWhatUsersNeedAndAllOfItWhenAsked) {
+  const Outcome usual = run_wavepath({"render", "--help"}), all = run_wavepath({"render", "--help-all"});
+  EXPECT_EQ(all.exit_code, 0);
+  EXPECT_EQ(all.err, "");
+  EXPECT_GE(flags_in(usual.out), 50u);
+  EXPECT_LE(flags_in(usual.out), 60u);
+  std::size_t advanced = 0;
+  for (const Setting& row : settings_table()) {
+    if (!(row.offered & kByRender)) continue;
+    EXPECT_TRUE(names_flag(all.out, row.name)) << row.name;
+    EXPECT_EQ(names_flag(usual.out, row.name), !row.advanced) << row.name;
+    advanced += row.advanced;
+  }
+  EXPECT_GE(flags_in(all.out), flags_in(usual.out) + advanced);
+  EXPECT_NE(usual.out.find(fmt::format("'wavepath render --help-all' shows {} more flags",
+                                       flags_in(all.out) - flags_in(usual.out))),
+            std::string::npos);
+  EXPECT_NE(all.out.find("'wavepath render --help'"), std::string::npos);
+}
+
+TEST(Help, OfOtherCommandsFollowsTheSameRows) {
+  for (const char* command : {"view", "bench", "study", "info"}) {
+    const Outcome usual = run_wavepath({command, "--help"}), all = run_wavepath({command, "--help-all"});
+    EXPECT_LT(flags_in(usual.out), flags_in(all.out)) << command;
+    for (const Setting& row : settings_table()) {
+      if (row.name == "shadows" && command == std::string("study")) continue; // a switch of its own
+      EXPECT_EQ(names_flag(usual.out, row.name), !row.advanced && names_flag(all.out, row.name))
+          << command << " " << row.name;
+    }
+  }
+  for (const char* command : {"compare", "merge", "selftest"}) { // without flags for experts
+    const Outcome usual = run_wavepath({command, "--help"}), all = run_wavepath({command, "--help-all"});
+    EXPECT_EQ(all.exit_code, 0) << command;
+    EXPECT_EQ(usual.out, all.out) << command;
+    EXPECT_EQ(usual.out.find("--help-all\n"), std::string::npos) << command;
+  }
+}
+
+// All flags for experts in one command line, each with its default: the scene is what is wrong.
+TEST(Usage, FlagsThatHelpLeavesOutAreTaken) {
+  std::vector<std::string> words = {"render", "none.gltf", "--bvh", "auto", "--origin", "0,0,0"};
+  std::size_t taken = 0;
+  for (const Setting& row : settings_table()) {
+    const std::string value = text_of(row, {});
+    if (!row.advanced || value.empty()) continue;
+    words.push_back(fmt::format("--{}={}", row.name, value));
+    ++taken;
+  }
+  EXPECT_GT(taken, 30u);
+  expect_error(words, 1, "none.gltf: ");
+}
+
 TEST(Help, DocumentsEveryFlag) {
-  const Outcome help = run_wavepath({"render", "--help"});
+  const Outcome help = run_wavepath({"render", "--help-all"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.err, "");
   for (const char* flag : {"SCENE",
@@ -119,7 +185,8 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
           "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
   refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
   refused({"--textures", "hardware", "--strict"}, "--textures hardware: is biased, which --strict refuses");
-  refused({"--denoise", "oidn", "--integrator", "hybrid"}, "--denoise oidn: filters no frames");
+  refused({"--denoise", "oidn", "--integrator", "hybrid"},
+          "--denoise oidn: cannot filter the frames of --integrator hybrid");
   refused({"--aov", "ao"}, "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
   refused({"--integrator", "hybrid", "--adaptive"},
           "--adaptive: is not taken by --integrator hybrid; use --integrator path");

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""That another driver renders the same pictures and passes the selftest: SwiftShader, where a browser has brought it. Its
-subgroups are of 4, and its texel buffers hold 65,536 elements, so that kernels read scenes from storage blocks there.
-WAVEPATH_DRIVERS=all runs the whole selftest, which takes minutes.
+"""That another driver renders the same pictures and passes the selftest: SwiftShader, where a browser has brought it.
+Its subgroups are of 4, and its texel buffers hold 65,536 elements, so that kernels read scenes from storage blocks
+there. WAVEPATH_DRIVERS=all runs the whole selftest, which takes minutes.
 Usage: drivers_test.py WAVEPATH SCENES [SHARED_SCENES]"""
 
 import os
@@ -13,8 +13,8 @@ import tempfile
 MANIFESTS = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/opt/google/chrome/vk_swiftshader_icd.json"]
 SIZE = ["--size", "96x64", "--spp", "4", "--seed", "3"]
 SPONZA = ["--env", "1,1,1", "--eye", "4,1.8,0.2", "--look-at", "-10,2.2,-0.3", "--yfov", "65"]
-# Both have the samples of the same paths, but for the few that rounding sends elsewhere. Half of the samples would differ
-# by 100 times as much.
+# Both have the samples of the same paths, but for the few that rounding sends elsewhere. Half of the samples would
+# differ by 100 times as much.
 MOST = "relmse=2e-3"
 # Of the selftest, one case of each kind of kernel, and those that have failed here.
 CASES = ["rays from inside", "rays that are not numbers", "trees that grow deep", "precise arithmetic", "samples near",
@@ -50,12 +50,14 @@ def main():
         for scene, view, chosen in cases:
             for integrator in chosen:
                 pictures = [f"{folder}/{name}.exr" for name in ("other", "plain")]
-                good = all(run(environment, "render", scene, *view, *SIZE, "--integrator", integrator, "-q", "-o", picture)
+                good = all(run(environment, "render", scene, *view, *SIZE, "--integrator", integrator, "-q", "-o",
+                               picture)
                            for environment, picture in zip((other, plain), pictures))
                 good = good and run(plain, "compare", *pictures, "--max", MOST)
                 print(f"{'ok  ' if good else 'FAIL'} {scene.name} {integrator}")
                 failed += not good
-    chosen = [] if os.environ.get("WAVEPATH_DRIVERS") == "all" else [flag for case in CASES for flag in ("--only", case)]
+    chosen = [] if os.environ.get("WAVEPATH_DRIVERS") == "all" else [flag for case in CASES
+                                                                     for flag in ("--only", case)]
     good = run(other, "selftest", *chosen)
     print(f"{'ok  ' if good else 'FAIL'} selftest")
     return 1 if failed or not good else 0

@@ -139,7 +139,7 @@ TEST(GltfDraco, AttributesBesideTheDracoData) {
   b.root["accessors"][1].erase("bufferView"); // nowhere
   const Scene black = load(b);
   EXPECT_EQ(black.meshes.at(0).colors.at(0), glm::vec4(0, 0, 0, 1));
-  EXPECT_EQ(warning_count(black, "attribute that its Draco data lack"), 1u);
+  EXPECT_EQ(warning_count(black, "attribute that is missing in Draco data"), 1u);
   ids.erase("POSITION");
   EXPECT_THROW(load(b), Error);
 }

@@ -186,7 +186,7 @@ TEST(GltfNumbers, OfJsonThatFloatsDoNotHold) {
   b.root["nodes"][2]["translation"] = {0, 1e300, 0};
   scene = load(b);
   EXPECT_TRUE(scene.cameras.empty());
-  EXPECT_EQ(test::warning_count(scene, "camera farther away"), 1u);
+  EXPECT_EQ(test::warning_count(scene, "camera beyond the largest coordinates"), 1u);
   b = test::full();
   b.root["cameras"][0]["perspective"]["aspectRatio"] = 1e300;
   EXPECT_THROW(load(b), Error);

@@ -132,7 +132,7 @@ TEST(GltfPlaces, WhatHasNoAreaIsLeftOutAndTold) {
   b.add("nodes", {{"mesh", 0}, {"scale", {1e200, 1e200, 1e200}}});
   const Scene scene = load(b);
   EXPECT_EQ(scene.instances.size(), 1u);
-  EXPECT_EQ(warning_count(scene, "instance whose scale leaves it without area"), 4u);
+  EXPECT_EQ(warning_count(scene, "instance with a scale of zero area"), 4u);
   EXPECT_EQ(warning_count(scene, "not affine or not finite"), 1u);
 }
 

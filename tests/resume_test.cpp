@@ -286,7 +286,7 @@ TEST_F(Resume, RefusesWhatIsNotItsOwn) {
   refused({"--env", "studio"}, "the scene is another");
   refused({"--ground"}, "the scene is another");
   refused({"--adaptive"}, "adaptive is on, not off");
-  refused({"--spp", "4"}, "has come to sample 8, beyond 4");
+  refused({"--spp", "4"}, "already holds samples up to 8, beyond 4");
   const Outcome unasked = render("x.exr", {"--checkpoint", "state"});
   EXPECT_EQ(unasked.exit_code, 2);
   EXPECT_NE(unasked.err.find("add --resume"), std::string::npos) << unasked.err;
@@ -315,7 +315,7 @@ TEST_F(Resume, RefusesAnotherRangeThanItBeganWith) {
   };
   refused("0:8", "begins at sample 4, not 0");
   refused("6:12", "begins at sample 4, not 6");
-  refused("4:6", "has come to sample 8, beyond 6");
+  refused("4:6", "already holds samples up to 8, beyond 6");
   ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume", "--samples", "4:12"}).exit_code, 0);
   EXPECT_EQ(read_attribute(path("part.exr"), "wavepath.samples"), "4:12");
 }
@@ -328,7 +328,7 @@ TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
   write_state(path("state"), record.identity, record.device, record.plan, record.state);
   const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume", "--spp", "6"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.err.find("has come to sample 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("already holds samples up to 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
 }
 
 // What lights are chosen by is learned for as long as the render was to be when it began.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""That benchmarks/same_bits.py sees every bit of a picture: on a file of OpenEXR's, and on files written here. No renderer is
-run. Usage: same_bits_test.py SOURCE_DIR"""
+"""That benchmarks/same_bits.py sees every bit of a picture: on a file of OpenEXR's, and on files written here. No
+renderer is run. Usage: same_bits_test.py SOURCE_DIR"""
 
 import base64
 import pathlib
@@ -61,7 +61,8 @@ def write(path, words, channels=None, compression=ZIP, comment=""):
     channels = channels or CHANNELS
     entries = b"".join(n.encode() + b"\0" + struct.pack("<4I", kind, 0, 1, 1) for n, kind in sorted(channels.items()))
     header = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", entries + b"\0")
-    header += attribute("compression", "compression", bytes([compression])) + attribute("comment", "string", comment.encode())
+    header += attribute("compression", "compression", bytes([compression])) + attribute("comment", "string",
+                                                                                        comment.encode())
     header += attribute("dataWindow", "box2i", struct.pack("<4i", 0, 0, WIDTH - 1, HEIGHT - 1)) + b"\0"
     lines = same_bits.BLOCK_LINES[compression]
     blocks = []
@@ -111,7 +112,8 @@ class SameBits(unittest.TestCase):
         for compression in (ZIP, ZIPS, NONE):
             lines = self.compare({"R": FLOAT_ONE}, 7 + WIDTH * 30, compression=compression)
             self.assertEqual(len(lines), 1)
-            self.assertRegex(lines[0], r"^R: 1 of 185 values differ, first at 2,31: .*\(0x3f80009d\) became 1 \(0x3f800000\)$")
+            self.assertRegex(lines[0], r"^R: 1 of 185 values differ, first at 2,31: .*\(0x3f80009d\) became 1 "
+                                       r"\(0x3f800000\)$")
         lines = self.compare({"Z": 0, "film.00": 1}, 0)
         self.assertRegex(lines[0], "^Z: 1 of 185 values differ, first at 0,0: 1 ")
         self.assertRegex(lines[1], "^film.00: 1 of 185 values differ, first at 0,0: 0x00000000 became 0x00000001$")

@@ -40,12 +40,14 @@ protected:
     std::ofstream(file("shape.bin"), std::ios::binary) << std::string(36 + 24, '\0');
     // A triangle of no size: what is loaded is never rendered here.
     std::ofstream(file("scene.gltf")) << R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0,
-      "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+      "nodes": [{"mesh": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
       "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
       "textures": [{"source": 0}], "images": [{"uri": "skin.png"}, {"uri": "unused.png"}],
       "buffers": [{"uri": "shape.bin", "byteLength": 60}],
       "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
-      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0]},
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                     "min": [0, 0, 0], "max": [0, 0, 0]},
                     {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}]})";
     std::filesystem::create_directory(file("sub"));
     std::filesystem::create_symlink("sky.exr", file("soft.exr"));

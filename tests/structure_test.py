@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rules of CONTRIBUTING.md that a compiler does not check: includes go downhill, Vulkan has few doors, documents tell
-the truth. Usage: structure_test.py SOURCE_DIR WAVEPATH_BINARY COMPILER"""
+"""The rules of CONTRIBUTING.md that a compiler does not check: includes go downhill, Vulkan has few doors, documents
+tell the truth. Usage: structure_test.py SOURCE_DIR WAVEPATH_BINARY COMPILER"""
 
 import concurrent.futures
 import functools
@@ -18,13 +18,24 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 
 # A file includes only files of its own folder and of those before it.
 DOWNHILL = [
-    "bvh", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display", "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid", "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted", "kernels/selftest", "kernels/bench",
-    "host/base", "host/codecs", "host/codecs/openimageio", "host/scene", "host/scene/staging", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/picture", "host/film", "host/picture/files", "host/picture/filter", "host/picture/metrics",
-    "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device", "host/render/progressive", "host/plan", "host/render/report",
-    "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster", "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/transparency", "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
+    "bvh", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display",
+    "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid",
+    "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted",
+    "kernels/selftest", "kernels/bench",
+    "host/base", "host/codecs", "host/codecs/openimageio", "host/scene", "host/scene/staging", "host/scene/gltf",
+    "host/scene/pack", "host/gpu", "host/picture", "host/film", "host/picture/files", "host/picture/filter",
+    "host/picture/metrics",
+    "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device",
+    "host/render/progressive", "host/plan", "host/render/report",
+    "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster",
+    "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/transparency",
+    "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid",
+    "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures",
+    "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}
-DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *(f"docs/{p.name}" for p in sorted(ROOT.glob("docs/*.md")))]
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md",
+             *(f"docs/{p.name}" for p in sorted(ROOT.glob("docs/*.md")))]
 
 
 def sources(*suffixes):
@@ -51,11 +62,13 @@ def text_files():
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
     for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", "docs", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
-    yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
+    yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md",
+                                   "CHANGELOG.md"))
 
 
 # Headers that the build precompiles, so that no compiler misses them, and what tells that a file uses one.
-ALGORITHMS = "all_of|any_of|clamp|copy|count|count_if|equal|fill|find|find_if|max|max_element|min|min_element|none_of|sort|transform"
+ALGORITHMS = ("all_of|any_of|clamp|copy|count|count_if|equal|fill|find|find_if|max|max_element|min|min_element|none_of|"
+              "sort|transform")
 PRECOMPILED = {
     "algorithm": rf"\bstd::(ranges::)?({ALGORITHMS}|minmax|nth_element|stable_sort)\(",
     "array": r"\bstd::array<",
@@ -132,7 +145,8 @@ def inner_names(path):
     """Types and functions within others, what is declared without being defined, and template parameters."""
     code = code_of(path)
     types = re.findall(rf"\b(?:{TYPE_WORDS}) (\w+)", code)
-    return {*types, *re.findall(r"^ +(?!return\b|throw\b)[\w\[][\w:<>,*& \[\]]* [*&]?(\w+)\([^;]*\)[ \w]*[;{]$", code, re.M)}
+    functions = re.findall(r"^ +(?!return\b|throw\b)[\w\[][\w:<>,*& \[\]]* [*&]?(\w+)\([^;]*\)[ \w]*[;{]$", code, re.M)
+    return {*types, *functions}
 
 
 def local_names(path):
@@ -160,7 +174,8 @@ class Structure(unittest.TestCase):
 
     def test_files_include_what_they_use_of_ours(self):
         """Files of a folder are compiled together (WAVEPATH_UNITY), so that no compiler misses what another one has
-        included. The preset `debug` compiles each by itself: it sees what this does not, as functions named by one word."""
+        included. The preset `debug` compiles each by itself: it sees what this does not, as functions named by one
+        word."""
         homes = {}
         for header in sources(".h"):
             for declared in declared_names(header):
@@ -170,8 +185,10 @@ class Structure(unittest.TestCase):
             if path.is_relative_to(ROOT / "tests"):
                 continue
             reached = reached_files(path)
-            known = local_names(path).union(*(inner_names(ROOT / r) for r in {name(path), *reached} if (ROOT / r).exists()))
-            used = re.findall(r"(?<![\w.>:])(?:(?:gpu|bvh|spirv)::)?([A-Z]\w*|k[A-Z]\w*|[a-z]\w*_\w*(?=\())\b", code_of(path))
+            files = [ROOT / r for r in {name(path), *reached} if (ROOT / r).exists()]
+            known = local_names(path).union(*map(inner_names, files))
+            used = re.findall(r"(?<![\w.>:])(?:(?:gpu|bvh|spirv)::)?([A-Z]\w*|k[A-Z]\w*|[a-z]\w*_\w*(?=\())\b",
+                              code_of(path))
             for use in set(used) - known - declared_names(path):
                 with self.subTest(file=name(path), name=use):
                     self.assertTrue(use not in homes or homes[use] & reached)
@@ -193,8 +210,8 @@ class Structure(unittest.TestCase):
                     self.assertLessEqual(DOWNHILL.index(target), DOWNHILL.index(folder(path)))
 
     def test_includes_form_no_cycle(self):
-        """Nor inside a folder: all files can be put in an order in which each includes only those before it. x.h and x.cpp
-        count as one."""
+        """Nor inside a folder: all files can be put in an order in which each includes only those before it. x.h and
+        x.cpp count as one."""
         included = {}
         for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
             if not path.is_relative_to(ROOT / "tests"):
@@ -217,8 +234,9 @@ class Structure(unittest.TestCase):
                 self.assertTrue(path.read_text().startswith(("// ", twin)))
 
     def test_headers_compile_alone(self):
-        """x.cpp includes x.h first, so compiling it by itself is the proof, for which test_files_include_what_they_use_of_ours
-        stands in where files are compiled together; only headers without such a file are compiled here."""
+        """x.cpp includes x.h first, so compiling it by itself is the proof, for which
+        test_files_include_what_they_use_of_ours stands in where files are compiled together; only headers without such
+        a file are compiled here."""
         alone = []
         for path in sources(".h"):
             twin = path.with_suffix(".cpp")
@@ -247,6 +265,16 @@ class Structure(unittest.TestCase):
                     with self.subTest(file=name(path)):
                         self.assertEqual(result.returncode, 0, result.stderr[:2000])
 
+    def test_lines_fit(self):
+        """clang-format keeps the width of C++ but for rules and raw strings, and nobody that of GLSL and Python."""
+        for path in text_files():
+            if path.suffix not in (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py"):
+                continue
+            for number, line in enumerate(path.read_text().split("\n"), 1):
+                if len(line) > 120:
+                    with self.subTest(file=name(path), line=number):
+                        self.assertLessEqual(len(line), 120)
+
     def test_nothing_names_a_machine(self):
         for path in text_files():
             with self.subTest(file=name(path)):
@@ -260,11 +288,11 @@ class Structure(unittest.TestCase):
 
     def test_commands_in_documents_exist(self):
         def helps(*command):
-            result = subprocess.run([WAVEPATH, *command, "--help"], capture_output=True, text=True)
+            result = subprocess.run([WAVEPATH, *command], capture_output=True, text=True)
             self.assertEqual(result.returncode, 0, command)
             return result.stdout
 
-        known = helps()
+        known = helps("--help")
         checked = 0
         for document in DOCUMENTS:
             # At the start of a line, or quoted in a sentence or a table.
@@ -280,7 +308,7 @@ class Structure(unittest.TestCase):
                     if words[0] in ("test", "setup", "format"):
                         continue
                     self.assertRegex(known, rf"(?m)^\s+{words[0]}\b")
-                    options = helps(words[0])
+                    options = helps(words[0], "--help-all")
                     for flag in words[1:]:
                         if flag.startswith("-"):
                             self.assertRegex(options, rf"(?<![\w-]){re.escape(flag)}(?![\w-])")

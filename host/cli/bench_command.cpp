@@ -144,14 +144,14 @@ int run_bench(BenchCommandRequest& request) {
 } // namespace
 
 Command add_bench(CLI::App& app) {
-  CLI::App* command =
-      add_command(app, "bench", "measure the kernels one by one, on a scene or on one that is built in");
+  CLI::App* command = add_command(app, "bench", "measure the kernels one by one, on a scene or on a built-in one");
   const auto request = std::make_shared<BenchCommandRequest>();
   const char* group = "Measurement";
-  add_flag(*command, group, {"--repetitions", "N", "of every measurement; rivals take turns, medians count", "7"},
+  add_flag(*command, group,
+           {"--repetitions", "N", "repetitions of every measurement. Rivals take turns, and medians count", "7"},
            [=](const FlagValue& value) { request->repetitions = value.whole_number(1, 1000); });
   add_switch(*command, group,
-             {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
+             {"--ablate", "", "measure what each feature that this scene leaves out would cost", "off"},
              request->ablate);
   add_switch(
       *command, group,
@@ -161,23 +161,23 @@ Command add_bench(CLI::App& app) {
       request->structures);
   add_switch(*command, group,
              {"--kernels", "",
-              "tell what the driver's compiler makes of every kernel instead (registers, spills, "
-              "occupancy, code size; the driver needs no hardware)",
+              "print what the driver's compiler makes of every kernel (registers, spills, occupancy, code size) and "
+              "measure nothing. The driver needs no hardware",
               "off"},
              request->kernels);
-  add_flag(*command, group,
-           {"--baseline", "FILE.json", "tell the change since an earlier run, saved with --json", "none"},
+  add_flag(*command, group, {"--baseline", "FILE.json", "earlier run, saved with --json, to compare with", "none"},
            [=](const FlagValue& value) { request->baseline = value.text; });
   add_flag(*command, group,
-           {"--threshold", "PERCENT", "with --baseline: exit code 1 if any rate has dropped by more than this", "10"},
+           {"--threshold", "PERCENT", "drop of a rate since --baseline above which the exit code is 1", "10"},
            [=](const FlagValue& value) { request->threshold = value.number(0.0, 1e6); });
-  add_flag(*command, "Output", {"--json", "FILE", "also write every number as a JSON document", "not written"},
+  add_flag(*command, "Output", {"--json", "FILE", "file for every number, as a JSON document", "not written"},
            [=](const FlagValue& value) { request->json = value.text; });
-  add_switch(*command, "Output", {"-q,--quiet", "", "no progress", "off"}, request->quiet);
+  add_switch(*command, "Output", {"-q,--quiet", "", "print no progress", "off"}, request->quiet);
   static constexpr Wording kWordings[] = {{"size", nullptr, "480x270 on a CPU device, else 1920x1080"}};
-  add_settings(*command, kByBench, SettingGroup::picture, request->render, kWordings);
   add_scene_flags(*command, request->scene, false);
   add_view_flags(*command, request->scene.view);
+  add_settings(*command, kByBench, SettingGroup::picture, request->render, kWordings);
+  add_settings(*command, kByBench, SettingGroup::lens, request->render);
   add_transport_flags(*command, kByBench, request->render);
   return [request] { return request->kernels ? run_compiler(*request) : run_bench(*request); };
 }

@@ -74,7 +74,8 @@ void print(const Json& json) {
 
 int run_compare(const CompareCommandRequest& request) {
   if (!request.map.empty()) {
-    if (!is_display(request.map)) throw UsageError(request.map, "is no .png or .jpg", "name the map so");
+    if (!is_display(request.map))
+      throw UsageError(request.map, "is no .png or .jpg", "give the map one of these extensions");
     const std::string inputs[] = {request.image, request.reference};
     refuse_overwriting({&request.map, 1}, inputs);
     require_writable(request.map);
@@ -105,7 +106,7 @@ int run_compare(const CompareCommandRequest& request) {
   }
   if (!metrics.finite())
     throw Error(metrics.nonfinite_image > 0 ? request.image : request.reference, "holds values that are not finite",
-                "an image with such has no score");
+                "an image with such values has no score");
   if (!exceeded.empty()) throw Error(request.image, exceeded, "look at both pictures, or use --map");
   return kExitDone;
 }
@@ -121,24 +122,27 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 } // namespace
 
 Command add_compare(CLI::App& app) {
-  CLI::App* command = add_command(
-      app, "compare", "measure how far an image is from a reference",
-      "All metrics are of linear values over pixels and RGB; 8 and 16 bits, as of .png and .jpg, are decoded from sRGB "
-      "first. FLIP is HDR-FLIP unless both are such. PSNR takes the reference's largest value as its peak, or 1 for "
-      "such.");
+  CLI::App* command = add_command(app, "compare", "measure how far an image is from a reference",
+                                  "All metrics are of linear values, over pixels and RGB. Pictures of 8 and 16 "
+                                  "bits, such as .png and .jpg, are "
+                                  "decoded from sRGB first. FLIP is HDR-FLIP, or LDR-FLIP if both pictures have 8 or "
+                                  "16 bits. The peak of PSNR is the "
+                                  "largest value of the reference, or 1 for two such pictures.");
   const auto request = std::make_shared<CompareCommandRequest>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png, .jpg, or a picture of another format"},
+  require(add_flag(*command, "Pictures",
+                   {"IMAGE", "FILE", "picture to judge: .exr, .hdr, .png, .jpg or another format"},
                    keep(request->image)));
-  require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
+  require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "picture that it should look like, of the same size"},
                    keep(request->reference)));
   add_flag(*command, "Output",
-           {"--map", "FILE.png", "picture of the FLIP error, black = equal, pale yellow = 1", "not written"},
+           {"--map", "FILE.png", "picture of the FLIP error to write; black: equal, pale yellow: 1", "not written"},
            keep(request->map));
   add_flag(
       *command, "Output",
       {"--max", "METRIC=VALUE",
-       "repeatable; exit code 1 if the metric is larger: mse, relmse, mrse, relative_rms, flip, max, p99.9"},
+       "limit of a metric; repeatable. Exit code 1 if the metric is larger: mse, relmse, mrse, relative_rms, flip, "
+       "max, p99.9"},
       [request](const FlagValue& value) { read_limit(value, request->limits); }, true);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return run_compare(*request); };

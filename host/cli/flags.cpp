@@ -4,10 +4,19 @@
 #include <CLI/CLI.hpp>
 
 namespace wavepath {
+namespace {
+
+CLI::Option* show(const CLI::App& app, const char* group, const Flag& flag, CLI::Option* option) {
+  if (flag.advanced) leave_out_of_help(app, option);
+  return option->group(group)->default_str(flag.initial);
+}
+
+} // namespace
 
 CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, const char* footer) {
   CLI::App* command = app.add_subcommand(name, meaning);
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  command->set_help_flag("-h,--help", "show this help, and exit")->group(kHelpGroup);
+  command->set_help_all_flag("--help-all", "show the flags for experts too, and exit")->group(kHelpGroup);
   if (footer) command->footer(footer);
   return command;
 }
@@ -21,7 +30,7 @@ CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::f
     return true;
   };
   CLI::Option* option = app.add_option(names, read_all, flag.meaning);
-  option->type_name(flag.placeholder)->expected(1)->group(group)->default_str(flag.initial);
+  show(app, group, flag, option)->type_name(flag.placeholder)->expected(1);
   option->multi_option_policy(repeatable ? CLI::MultiOptionPolicy::TakeAll : CLI::MultiOptionPolicy::TakeLast);
   if (repeatable && shown.front() != '-') option->allow_extra_args();
   return option;
@@ -30,12 +39,12 @@ CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::f
 void require(CLI::Option* option) { option->required(); }
 
 CLI::Option* add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value) {
-  return app.add_flag(flag.names, value, flag.meaning)->group(group)->default_str(flag.initial);
+  return show(app, group, flag, app.add_flag(flag.names, value, flag.meaning));
 }
 
 void add_switch(CLI::App& app, const char* group, const Flag& flag, std::function<void(bool)> read) {
   const auto read_count = [read](std::int64_t count) { read(count > 0); }; // --name=false counts -1
-  app.add_flag_function(flag.names, read_count, flag.meaning)->group(group)->default_str(flag.initial);
+  show(app, group, flag, app.add_flag_function(flag.names, read_count, flag.meaning));
 }
 
 } // namespace wavepath

@@ -14,14 +14,17 @@ class Option;
 
 namespace wavepath {
 
+inline constexpr bool kAdvanced = true; // of Flag::advanced
+
 struct Flag {
   std::string names;       // "-o,--output", or "SCENE" for an argument without a dash
   std::string placeholder; // of the value in help: "FILE"; empty for a switch
   std::string meaning;     // one clause with the unit
   std::string initial{};   // the default in words; empty = none
+  bool advanced = false;   // for experts: --help leaves it out, --help-all shows it
 };
 
-// A command of `app`, with --help. `footer`: what its help ends with, if not as that of `app`.
+// A command of `app`, with --help and --help-all. `footer`: what its help ends with, if not as that of `app`.
 CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, const char* footer = nullptr);
 
 // The last one given counts, unless `repeatable`, when `read` is called for each. An argument without a dash that is
@@ -34,7 +37,10 @@ void add_switch(CLI::App& app, const char* group, const Flag& flag, std::functio
 
 inline constexpr const char* kHelpGroup = "Help"; // of --help and --version
 
-// Lays out --help of `app` and its commands: usage, then the flags by group, each with its meaning and default.
+// Lays out --help and --help-all of `app` and its commands: usage, then the flags by group, each with its meaning and
+// default. To be called before commands are added.
 void set_help_layout(CLI::App& app);
+// --help of the command leaves the flag out. Without set_help_layout() nothing happens.
+void leave_out_of_help(const CLI::App& command, const CLI::Option* flag);
 
 } // namespace wavepath

@@ -254,7 +254,7 @@ int run_scene(InfoCommandRequest& request) {
 
 Command add_info(CLI::App& app) {
   CLI::App* command =
-      add_command(app, "info", "tell what devices there are, or what a scene holds and a render of it needs");
+      add_command(app, "info", "list the Vulkan devices, or describe a scene and what a render of it needs");
   const auto request = std::make_shared<InfoCommandRequest>();
   add_scene_flags(*command, request->scene, false);
   add_shutter_flag(*command, request->scene);

@@ -99,7 +99,7 @@ std::vector<std::string> aovs_of(const Picture& picture) {
 // What the positions in a part are relative to.
 glm::dvec3 read_origin(const std::string& path) {
   const std::optional<glm::dvec3> origin = read_place(path, "wavepath.origin");
-  if (!origin) throw Error(path, "does not tell its origin (wavepath.origin)", "render it again");
+  if (!origin) throw Error(path, "lacks the attribute wavepath.origin", "render it again");
   return *origin;
 }
 
@@ -130,7 +130,7 @@ std::shared_ptr<Film> join_films(const std::vector<std::string>& parts, PictureI
     if (!part) throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
     const glm::dvec3 origin = read_origin(path);
     if (film && film->shape() != part->shape())
-      throw Error(path, fmt::format("has other sums than {}", parts.front()), "render all parts alike");
+      throw Error(path, fmt::format("holds sums of another kind than {}", parts.front()), "render all parts alike");
     if (film)
       join(*film, *part);
     else
@@ -204,16 +204,16 @@ int run_merge(MergeCommandRequest& request) {
 Command add_merge(CLI::App& app) {
   CLI::App* command = add_command(
       app, "merge", "join renders of disjoint sample ranges into one picture",
-      "Parts come from 'wavepath render --samples A:B'; give each the whole's --spp. Parts of one device join to the "
-      "bits of the "
-      "uninterrupted render, in any order; AOVs of first hits (albedo, normal, depth, position, emission, direct) to "
-      "within rounding.");
+      "Parts come from 'wavepath render --samples A:B', each with the --spp of the whole. Parts of one device join to "
+      "the "
+      "bits of the uninterrupted render, in any order. AOVs of first hits (albedo, normal, depth, position, emission, "
+      "direct) join to within rounding.");
   const auto request = std::make_shared<MergeCommandRequest>();
   require(add_flag(
-      *command, "Pictures", {"PARTS", "FILE.exr", "two or more"},
+      *command, "Pictures", {"PARTS", "FILE.exr", "parts of a render, two or more"},
       [=](const FlagValue& value) { request->parts.push_back(value.text); }, true));
   add_picture_output_flags(*command, request->output, "none: name at least one");
-  add_switch(*command, "Output", {"-q,--quiet", "", "no summary", "off"}, request->output.quiet);
+  add_switch(*command, "Output", {"-q,--quiet", "", "print no summary", "off"}, request->output.quiet);
   return [request] {
     if (request->output.pictures.empty()) throw UsageError("-o", "is missing", "say where the result goes: -o OUT.exr");
     return run_merge(*request);

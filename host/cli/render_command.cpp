@@ -30,10 +30,10 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   const auto request = std::make_shared<RenderCommandRequest>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);
-  add_picture_flags(*command, kByRender, request->render);
   add_scene_flags(*command, request->scene, true);
   add_shutter_flag(*command, request->scene);
   add_view_flags(*command, request->scene.view);
+  add_picture_flags(*command, kByRender, request->render);
   add_stop_flags(*command, request->render);
   add_transport_flags(*command, kByRender, request->render);
   add_devices_flag(*command, request->render);

@@ -29,11 +29,38 @@ namespace {
 constexpr std::uint32_t kLargestIndex = std::numeric_limits<std::int32_t>::max(); // of pixels and samples
 constexpr std::uint32_t kMostTrainingPaths = 1u << 24, kMostGuideIterations = 6;
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
-constexpr const char* kTransport = "Light transport";
 
-// By SettingGroup.
-constexpr const char* kHeadings[] = {"Picture", "When to stop (the first one reached)", kTransport,
-                                     "Settings of some integrators"};
+constexpr const char* heading_of(SettingGroup group) {
+  switch (group) {
+    case SettingGroup::picture:
+      return "Picture";
+    case SettingGroup::lens:
+      return "Camera";
+    case SettingGroup::stop:
+      return "When to stop (the first one reached)";
+    case SettingGroup::parts:
+      return "Parts of a render, and renders that go on";
+    case SettingGroup::transport:
+      return "Light transport";
+    case SettingGroup::speed:
+      return "Device and speed";
+    case SettingGroup::decisions:
+      return "Sampling that wavepath chooses by itself";
+    case SettingGroup::hybrid:
+      return "Integrators hybrid and ao";
+    case SettingGroup::shadows:
+      return "Shadow techniques of hybrid";
+    case SettingGroup::occlusion:
+      return "Ambient occlusion of hybrid and ao";
+    case SettingGroup::shading:
+      return "Local shading of hybrid";
+    case SettingGroup::transparency:
+      return "Transparency of hybrid";
+    case SettingGroup::others:
+      return "Integrators whitted and bidirectional";
+  }
+  return "";
+}
 
 constexpr std::array kOfRender = {
     Wording{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
@@ -51,11 +78,21 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
             : names.empty() || !row.placeholder.empty() ? row.placeholder
                                                         : fmt::format("{}", fmt::join(names, "|")),
             wording && wording->meaning ? wording->meaning : row.meaning,
-            row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial};
+            row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial, row.advanced};
   if (wording && wording->initial) flag.initial = wording->initial;
-  if (row.takers != Takers::all && (setting_named("integrator").offered & command))
-    flag.meaning += fmt::format("; only with --integrator {}", takers_text(row.name));
+  const bool by_all =
+      std::ranges::all_of(integrators(), [&](const IntegratorKind* kind) { return is_taken(row, *kind); });
+  if (!by_all && (setting_named("integrator").offered & command))
+    flag.meaning += fmt::format(". Only with --integrator {}", takers_text(row.name));
   return flag;
+}
+
+void add_transport_settings(CLI::App& app, Offer command, RenderRequest& request) {
+  for (const SettingGroup group : {SettingGroup::transport, SettingGroup::speed, SettingGroup::decisions,
+                                   SettingGroup::hybrid, SettingGroup::shadows, SettingGroup::occlusion,
+                                   SettingGroup::shading, SettingGroup::transparency, SettingGroup::others})
+    add_settings(app, command, group, request,
+                 command == kByRender ? std::span<const Wording>(kOfRender) : std::span<const Wording>());
 }
 
 } // namespace
@@ -78,7 +115,7 @@ bool is_given(const RenderRequest& request, std::string_view setting) {
 
 void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
                   std::span<const Wording> wordings, const char* heading) {
-  if (!heading) heading = kHeadings[static_cast<std::size_t>(group)];
+  if (!heading) heading = heading_of(group);
   for (const Setting& row : settings_table()) {
     if (row.group != group || !(row.offered & command)) continue;
     const Wording* wording = find(wordings, row.name);
@@ -98,73 +135,79 @@ void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderReques
 }
 
 void add_settings_of_render(CLI::App& app, RenderRequest& request) {
-  for (const SettingGroup group :
-       {SettingGroup::picture, SettingGroup::stop, SettingGroup::transport, SettingGroup::special})
-    add_settings(app, kByRender, group, request, kOfRender);
+  for (const SettingGroup group : {SettingGroup::picture, SettingGroup::lens, SettingGroup::stop, SettingGroup::parts})
+    add_settings(app, kByRender, group, request);
+  add_transport_settings(app, kByRender, request);
 }
 
 void add_stop_flags(CLI::App& app, RenderRequest& request) {
   add_settings(app, kByRender, SettingGroup::stop, request);
-  const char* group = kHeadings[static_cast<std::size_t>(SettingGroup::stop)];
+  add_settings(app, kByRender, SettingGroup::parts, request);
+  const char* group = heading_of(SettingGroup::parts);
   add_switch(app, group,
-             {"--mergeable", "", "keep exact sums in .exr outputs for 'wavepath merge'; --samples implies it", "off"},
+             {"--mergeable", "", "keep exact sums in .exr outputs, for 'wavepath merge'. --samples implies it", "off"},
              request.mergeable);
-  add_flag(app, group, {"--checkpoint", "FILE", "save the exact state every 30 s, on interrupt and at the end", "none"},
+  add_flag(app, group,
+           {"--checkpoint", "FILE",
+            "file for the exact state of the render. It is saved every 30 s, on interrupt and at the end", "none"},
            [&](const FlagValue& value) { request.state.file = value.text; });
-  add_flag(app, group, {"--checkpoint-interval", "SECONDS", "between saves", "30"},
+  add_flag(app, group, {"--checkpoint-interval", "SECONDS", "time between saves of --checkpoint", "30", kAdvanced},
            [&](const FlagValue& value) { request.state.interval = value.number(0.0, 1e9); });
   add_switch(app, group,
              {"--resume", "",
-              "go on from --checkpoint to the same bits as without the stop, or begin if the file is not there; a "
-              "larger --spp goes on beyond the end, by what pilots found for the shorter render. --time counts all "
-              "rendering, before and after",
+              "go on from --checkpoint, to the same bits as without the stop. If the file does not exist, the render "
+              "begins. A larger --spp goes on beyond the end, by what pilots found for the shorter render. --time "
+              "counts all rendering, before and after",
               "off"},
              request.state.resume);
-  add_switch(app, group,
-             {"--strict", "",
-              "refuse anything biased but the depth asked for, and leave out merging; exit code 1 if any sample was "
-              "not finite",
-              "off"},
-             request.strict);
 }
 
 void add_bvh_flag(CLI::App& app, RenderRequest& request) {
-  add_flag(app, kTransport,
-           {"--bvh", "auto|fast|balanced|best",
-            "tree over the triangles; a better one takes longer to build and gives the same image sooner",
-            "auto: what pays for the number of rays"},
-           [&](const FlagValue& value) {
-             const std::uint32_t chosen = value.choice(kBvhNames);
-             request.bvh = chosen ? std::optional(static_cast<bvh::Quality>(chosen - 1)) : std::nullopt;
-           });
+  add_flag(
+      app, heading_of(SettingGroup::speed),
+      {"--bvh", "auto|fast|balanced|best",
+       "quality of the tree over the triangles. A better tree takes longer to build and renders the same image faster",
+       "auto: by the number of rays", kAdvanced},
+      [&](const FlagValue& value) {
+        const std::uint32_t chosen = value.choice(kBvhNames);
+        request.bvh = chosen ? std::optional(static_cast<bvh::Quality>(chosen - 1)) : std::nullopt;
+      });
 }
 
 void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading) {
-  add_flag(app, heading ? heading : kTransport,
-           {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
+  add_flag(app, heading ? heading : heading_of(SettingGroup::speed),
+           {"--device", "NAME|INDEX", "Vulkan device. 'wavepath info' lists them", "a discrete GPU if there is one"},
            [&](const FlagValue& value) { request.device = value.text; });
 }
 
 void add_devices_flag(CLI::App& app, RenderRequest& request) {
-  add_flag(app, kTransport,
-           {"--devices", "LIST|all", "several devices render one picture: as for --device, separated by commas", "one"},
+  add_flag(app, heading_of(SettingGroup::speed),
+           {"--devices", "LIST|all",
+            "devices that render one picture together: names or indices as of --device, separated by commas", "one"},
            [&](const FlagValue& value) { request.devices = value.text; });
 }
 
 void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_settings(app, command, SettingGroup::picture, request);
-  add_flag(app, kHeadings[static_cast<std::size_t>(SettingGroup::picture)],
-           {"--origin", "X,Y,Z", "where in the scene single precision is finest, world units; decides last bits alone",
-            "the eye"},
+  add_settings(app, command, SettingGroup::lens, request);
+  add_flag(app, heading_of(SettingGroup::picture),
+           {"--origin", "X,Y,Z",
+            "point of the scene where single precision is finest, in world units. It changes the last bits alone",
+            "the eye", kAdvanced},
            [&](const FlagValue& value) { request.origin = value.triple(); });
 }
 
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
-  add_settings(app, command, SettingGroup::transport, request,
-               command == kByRender ? std::span<const Wording>(kOfRender) : std::span<const Wording>());
+  add_transport_settings(app, command, request);
+  if (command == kByRender)
+    add_switch(
+        app, heading_of(SettingGroup::transport),
+        {"--strict", "",
+         "refuse bias, except that of --max-depth, and leave out merging. Exit code 1 if any sample was not finite",
+         "off"},
+        request.strict);
   add_bvh_flag(app, request);
   add_device_flag(app, request);
-  add_settings(app, command, SettingGroup::special, request);
 }
 
 void add_plan_flags(CLI::App& app, RenderRequest& request) {
@@ -177,25 +220,27 @@ void add_plan_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.plan_file = value.text; });
   add_flag(app, group,
            {"--training-paths", "N", "paths that train the choice of lights; 0 = as many as parts of a render have",
-            "by the length of the render"},
+            "by the length of the render", kAdvanced},
            [&](const FlagValue& value) { request.training_paths = value.whole_number(0, kMostTrainingPaths); });
   add_flag(app, group,
            {"--guide-iterations", "N", "training passes of --guide, each of twice as many paths as the one before",
-            "by the length of the render"},
+            "by the length of the render", kAdvanced},
            [&](const FlagValue& value) { request.guide_iterations = value.whole_number(1, kMostGuideIterations); });
 }
 
 void add_replay_flags(CLI::App& app, RenderRequest& request) {
   const char* group = "One path instead of a picture";
-  add_flag(app, group,
-           {"--pixel", "X,Y", "trace one path of this pixel, counted from the top left, and print it; needs --sample"},
-           [&](const FlagValue& value) {
-             const auto [x, y] = value.split(',', "write it as X,Y, such as 640,360");
-             request.pixel = glm::uvec2(x.whole_number(0, kLargestIndex), y.whole_number(0, kLargestIndex));
-           });
-  add_flag(app, group, {"--sample", "N", "which path of the pixel; all other flags as in the render it belongs to"},
+  add_flag(
+      app, group,
+      {"--pixel", "X,Y", "pixel, counted from the top left, of which one path is traced and printed. Needs --sample"},
+      [&](const FlagValue& value) {
+        const auto [x, y] = value.split(',', "write it as X,Y, such as 640,360");
+        request.pixel = glm::uvec2(x.whole_number(0, kLargestIndex), y.whole_number(0, kLargestIndex));
+      });
+  add_flag(app, group, {"--sample", "N", "index of the path in the pixel. All other flags must be those of the render"},
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kLargestIndex); });
-  add_flag(app, group, {"--net", "N", "0, or 1 for the second net of samples, which measured pixels have", "0"},
+  add_flag(app, group,
+           {"--net", "N", "0, or 1 for the second stream of samples that probed pixels have", "0", kAdvanced},
            [&](const FlagValue& value) { request.net = value.whole_number(0, 1); });
 }
 
@@ -204,8 +249,8 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
   options.exposure.reset();
   add_flag(app, group,
            {"--exposure", "EV|auto",
-            "brighten tonemapped outputs by this many stops; auto brings the picture's middle to a middle grey, keeps "
-            "highlights, and tells the value",
+            "stops by which tonemapped outputs are brightened. auto: brings the middle of the picture to a middle "
+            "grey, keeps highlights, and prints the value",
             "auto"},
            [&](const FlagValue& value) {
              options.exposure = value.text == "auto" ? std::nullopt : std::optional(value.number(-64.0, 64.0));
@@ -217,9 +262,11 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {
   const char* group = "Output";
   add_flag(
-      app, group, {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", initial},
+      app, group,
+      {"-o,--output", "FILE", "picture to write; repeatable. .exr and .hdr are linear, .png and .jpg are tonemapped",
+       initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
-  add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
+  add_switch(app, group, {"--half", "", "store 16-bit floats in EXR files", "off: 32-bit"}, request.write.half);
   add_tone_flags(app, request.write);
 }
 
@@ -228,19 +275,19 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   add_picture_output_flags(app, request, "SCENE-stem.exr");
   add_flag(app, group,
-           {"--stats", "FILE.json", "write everything that the run measured, time to the first pixel included",
-            "not written"},
+           {"--stats", "FILE.json",
+            "file for everything that the run measured, as JSON, time to the first pixel included", "not written"},
            keep(request.stats));
-  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error at every checkpoint", "none"},
+  add_flag(app, group,
+           {"--reference", "FILE.exr", "picture to compare with: the true error at every checkpoint", "none"},
            keep(request.reference));
   add_flag(app, group,
-           {"--tev", "HOST[:PORT]", "send the picture to the viewer tev as it progresses; port 14158 if none is named",
-            "off"},
+           {"--tev", "HOST[:PORT]", "viewer tev that gets the picture as it progresses. Without PORT: 14158", "off"},
            keep(request.tev));
   add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
-  add_switch(app, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request.quiet);
+  add_switch(app, group, {"-q,--quiet", "", "print no progress and no summary", "off"}, request.quiet);
   add_switch(app, group,
-             {"-v,--verbose", "", "say more on stderr: device, memory, seconds by stage, what is left out", "off"},
+             {"-v,--verbose", "", "print more on stderr: device, memory, seconds by stage, what is left out", "off"},
              request.verbose);
 }
 

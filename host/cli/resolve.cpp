@@ -172,7 +172,7 @@ void check_integrator(const RenderRequest& request) {
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
   if (settings.denoise != kDenoiseOidn) return;
   if (!denoises_film(settings))
-    throw UsageError("--denoise oidn", fmt::format("filters no frames, of which --integrator {} is made", kind.name),
+    throw UsageError("--denoise oidn", fmt::format("cannot filter the frames of --integrator {}", kind.name),
                      "use --denoise alone, or --integrator path");
   require_oidn();
 }

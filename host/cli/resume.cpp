@@ -41,7 +41,7 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
   const std::uint32_t end = state.cursor.sample + state.cursor.pass_samples; // also of a pass that is in progress
   const bool shares_out = is_adaptive(settings) || !state.levels.empty();
   if (end > (shares_out ? whole_steps(settings.last_sample) : settings.last_sample))
-    throw Error(request.file, fmt::format("has come to sample {}, beyond {}", end, settings.last_sample),
+    throw Error(request.file, fmt::format("already holds samples up to {}, beyond {}", end, settings.last_sample),
                 fmt::format("ask for {} samples or more", end - state.first_sample));
   if (record.device != device_text(device))
     warnings.add(fmt::format("{}: begun on {}; the result is as good, but not bit by bit what one device gives",

@@ -69,7 +69,8 @@ int run(int argument_count, const char* const* arguments) {
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer(
-      "wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
+      "'wavepath COMMAND --help' shows the flags of a command that most users need, --help-all every flag. Exit codes: "
+      "0 done, 1 the input or the machine failed, 2 "
       "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved), 141 the "
       "reader of stdout is gone (files were written). "
       "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
@@ -87,6 +88,9 @@ int run(int argument_count, const char* const* arguments) {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
     print_out("{}", app.help());
+    return kExitDone;
+  } catch (const CLI::CallForAllHelp&) {
+    print_out("{}", app.help("", CLI::AppFormatMode::All));
     return kExitDone;
   } catch (const CLI::CallForVersion& version) {
     print_out("{}\n", version.what());

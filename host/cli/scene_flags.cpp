@@ -81,36 +81,35 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   const char* group = "Scene";
   CLI::Option* scene = add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, keep(request.path));
   if (required) require(scene);
-  add_flag(app, group, {"--scene", "NAME|INDEX", "which scene of the file", "the file's default"},
-           keep(request.load.scene));
-  add_flag(app, group, {"--animation", "NAME|INDEX", "pose the scene by this animation", "none"},
+  add_flag(app, group, {"--scene", "NAME|INDEX", "scene of the file", "the file's default"}, keep(request.load.scene));
+  add_flag(app, group, {"--animation", "NAME|INDEX", "animation that poses the scene", "none"},
            keep(request.load.animation));
-  add_flag(app, group, {"--at", "SECONDS", "time within the animation", "0"},
+  add_flag(app, group, {"--at", "SECONDS", "time in the animation, in seconds", "0"},
            [&](const FlagValue& value) { request.load.at = value.number(-kLargest, kLargest); });
+  add_flag(app, group,
+           {"--env", "FILE|R,G,B|studio|sky|black|white",
+            "environment. FILE: a lat-long picture, whose centre is seen along world +X and its three-quarter column "
+            "along +Z, or a cube map of OpenEXR; docs/pictures.md lists the formats. R,G,B: constant radiance. studio: "
+            "soft boxes. sky: a clear sky with the sun. Under studio and sky a white floor has radiance 1",
+            "black for a file with a camera and lights or lamps, which is lit as authored. Else studio; for an "
+            "interior sky, or a lamp where it is closed and has no lights. Punctual lights of the file shine besides"},
+           [&](const FlagValue& value) { read_environment(value, request); });
+  add_flag(app, group, {"--env-intensity", "X", "factor on the radiance of the environment", "1"},
+           [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
   add_flag(
       app, group,
-      {"--env", "FILE|R,G,B|studio|sky|black|white",
-       "environment: lat-long picture, its centre along world +X and three quarters across along +Z, or a cube map of "
-       "OpenEXR, of any format that docs/pictures.md lists; constant radiance; soft boxes of a studio, or a clear sky "
-       "with the sun, under both of which a white floor has radiance 1",
-       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets "
-       "studio, "
-       "an interior sky, or a lamp where it is closed and has no lights; punctual lights of its own shine besides"},
-      [&](const FlagValue& value) { read_environment(value, request); });
-  add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
-           [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
-  add_flag(app, group,
-           {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
-           [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
+      {"--env-rotation", "DEG", "rotation of the environment about +Y, in degrees counter-clockwise from above", "0"},
+      [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
   add_switch(app, group,
              {"--ground", "",
-              "a matte floor under the lowest point that catches shadows, bright as what the environment has below the "
-              "horizon, and fading out",
+              "add a matte floor under the lowest point. It catches shadows, is as bright as the environment below the "
+              "horizon, and fades out",
               "off"},
              request.ground);
   add_flag(app, group,
            {"--sun", "AZIMUTH,ELEVATION",
-            "a sun of pi lux besides: degrees from +X towards +Z, and above the horizon; a scene with it counts as lit",
+            "add a sun of pi lux. AZIMUTH: degrees from +X towards +Z. ELEVATION: degrees above the horizon. A scene "
+            "with it counts as lit",
             "none"},
            [&](const FlagValue& value) {
              const auto [azimuth, elevation] = value.split(',', "write it as AZIMUTH,ELEVATION, such as 60,40");
@@ -121,9 +120,9 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
 void add_shutter_flag(CLI::App& app, SceneRequest& request) {
   add_flag(app, "Scene",
            {"--shutter", "OPEN,CLOSE",
-            "motion blur: seconds in the animation between which light falls on the film; vertices move along straight "
-            "lines, camera and lamps stay",
-            "none: the moment --at"},
+            "motion blur: seconds in the animation between which light falls on the film. Vertices move along straight "
+            "lines; camera and lamps stay",
+            "none: the moment of --at"},
            [&](const FlagValue& value) {
              const auto [open, close] = value.split(',', "write it as OPEN,CLOSE, such as 0.5,0.52");
              request.load.shutter = {open.number(-kLargest, kLargest), close.number(-kLargest, kLargest)};
@@ -176,18 +175,19 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   };
   add_flag(app, group,
            {"--camera", "NAME|INDEX",
-            "glTF camera, of whose view no --size crops anything; without any in the file an object is framed from the "
-            "front, and an interior seen from within",
+            "glTF camera. No --size crops its view. A file without a camera is framed: an object from the front, an "
+            "interior from within",
             "0"},
            [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
-           {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
+           {"--eye", "X,Y,Z", "position of a camera of your own, in world units (metres)", "the chosen camera's"},
            triple(request.eye));
-  add_flag(app, group, {"--look-at", "X,Y,Z", "point in the middle of the image, world units", "the chosen camera's"},
+  add_flag(app, group,
+           {"--look-at", "X,Y,Z", "point in the middle of the picture, in world units", "the chosen camera's"},
            triple(request.look_at));
-  add_flag(app, group, {"--up", "X,Y,Z", "direction that is up in the image", "the chosen camera's"},
+  add_flag(app, group, {"--up", "X,Y,Z", "direction that is up in the picture", "the chosen camera's"},
            triple(request.up));
-  add_flag(app, group, {"--yfov", "DEG", "vertical field of view, degrees", "the chosen camera's"},
+  add_flag(app, group, {"--yfov", "DEG", "vertical field of view in degrees", "the chosen camera's"},
            [&](const FlagValue& value) {
              const double degrees = value.positive_number();
              if (degrees >= 180.0) value.refuse("is too wide", "give an angle below 180 degrees");

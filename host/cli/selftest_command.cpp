@@ -27,13 +27,13 @@ Command add_selftest(CLI::App& app) {
   const auto request = std::make_shared<SelftestCommandRequest>();
   const char* group = "Cases";
   add_flag(
-      *command, group, {"--only", "NAME", "repeatable; run only the cases whose name holds this", "all"},
+      *command, group, {"--only", "NAME", "run only the cases whose name holds this; repeatable", "all"},
       [=](const FlagValue& value) { request->only.push_back(value.text); }, true);
-  add_switch(*command, group, {"--full", "", "with the sample counts of the literature; takes much longer", "off"},
+  add_switch(*command, group, {"--full", "", "take the sample counts of the literature, which is much slower", "off"},
              request->full);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   add_flag(*command, "Device",
-           {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
+           {"--device", "NAME|INDEX", "Vulkan device. 'wavepath info' lists them", "a discrete GPU if there is one"},
            [=](const FlagValue& value) { request->device = value.text; });
   return [request] { return run_selftest(*request); };
 }

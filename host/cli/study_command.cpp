@@ -64,7 +64,7 @@ void read_dimensions(const FlagValue& value, StudySettings& study) {
   };
   const auto found = std::ranges::find_if(integrators(), takes_all);
   if (found == integrators().end())
-    value.refuse("has what no integrator takes together", "vary the integrator as well");
+    value.refuse("varies settings that no integrator supports together", "vary the integrator as well");
   study.render.integrator = *found;
 }
 
@@ -85,11 +85,10 @@ std::vector<std::string> targets_of(const StudyCommandRequest& request) {
 // Refuses what cannot work before the time of rendering is spent. Creates nothing yet.
 void check_files(const StudyCommandRequest& request) {
   std::error_code error;
-  if (!fs::is_regular_file(request.scene.path, error))
-    throw Error(request.scene.path, "is not there as a file", "check the name");
+  if (!fs::is_regular_file(request.scene.path, error)) throw Error(request.scene.path, "is no file", "check the name");
   const bool there = fs::is_directory(request.folder, error);
   if (!there && fs::exists(request.folder, error))
-    throw Error(request.folder, "is no folder", "name a folder, or one that is yet to be made");
+    throw Error(request.folder, "is no folder", "name a folder, or a path where one can be made");
   refuse_overwriting(targets_of(request), inputs_of(request.scene, request.study.render, request.reference));
   require_writable(there ? (fs::path(request.folder) / "study.json").string() : request.folder);
 }
@@ -109,7 +108,7 @@ std::optional<StudyReference> read_reference(StudyCommandRequest& request) {
         path, fmt::format("is {}x{}, the study {}x{}", picture.width, picture.height, settings.width, settings.height),
         fmt::format("add --size {}x{}", picture.width, picture.height));
   if (!compare_pictures(picture, picture).finite())
-    throw Error(path, "holds values that are not finite", "name a picture without such");
+    throw Error(path, "holds values that are not finite", "name a picture whose values are all finite");
   if (const std::string error = read_attribute(path, "wavepath.error"); !error.empty())
     reference.error = std::stod(error);
   const auto filter = std::ranges::find(kFilterNames, read_attribute(path, "wavepath.filter"));
@@ -272,43 +271,46 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   study.vary = {"sampler", "direct"};
   request->render.settings.width = request->render.settings.height = kSide;
   const char* group = "Study";
-  add_flag(
-      *command, group,
-      {"-o,--output", "DIR", "folder for study.json, study.csv, report.html and pictures; made if its parent exists"},
-      [request](const FlagValue& value) { request->folder = value.text; })
+  add_flag(*command, group,
+           {"-o,--output", "DIR",
+            "folder for study.json, study.csv, report.html and pictures. It is made if its parent exists"},
+           [request](const FlagValue& value) { request->folder = value.text; })
       ->required();
-  CLI::Option* vary =
-      add_flag(*command, group,
-               {"--vary", "LIST", fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
-                "sampler,direct"},
-               [&study](const FlagValue& value) { read_dimensions(value, study); });
-  add_switch(
+  CLI::Option* vary = add_flag(
       *command, group,
-      {"--shadows", "",
-       "every shadow technique that suits the scene, in maps of five sizes: errors by kind, milliseconds to build "
-       "and to look up; stands for --vary shadows,shadow-size --max-depth 1",
-       "off"},
-      request->shadows)
+      {"--vary", "LIST", fmt::format("settings to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
+       "sampler,direct"},
+      [&study](const FlagValue& value) { read_dimensions(value, study); });
+  add_switch(*command, group,
+             {"--shadows", "",
+              "vary every shadow technique that suits the scene, with maps of five sizes: errors by kind, milliseconds "
+              "to build and to look up. Stands for --vary shadows,shadow-size --max-depth 1",
+              "off"},
+             request->shadows)
       ->excludes(vary);
   add_flag(*command, group,
            {"--budget", "SECONDS",
-            "of rendering in all: half for the reference (a fifth where shadows vary), the rest in even shares", "60"},
+            "rendering time in seconds, all together. The reference takes half (a fifth where shadows vary); the rest "
+            "is divided evenly",
+            "60"},
            [&study](const FlagValue& value) { study.budget = value.positive_number(); });
   add_flag(*command, group,
-           {"--reference", "FILE.exr", "a converged picture of the same view to use instead of rendering one", "none"},
+           {"--reference", "FILE.exr", "converged picture of the same view, to use instead of rendering one", "none"},
            [request](const FlagValue& value) { request->reference = value.text; });
   add_flag(*command, group,
-           {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its share of the budget"},
+           {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its part of the budget"},
            [&study](const FlagValue& value) { study.reference_spp = value.whole_number(2, 1 << 24); });
   static constexpr Wording kWordings[] = {
       {"size", nullptr, "256x256"},
       {"filter", nullptr, "box, or what the reference has"},
-      {"max-depth", "longest path in bounces, of the reference as well"},
-      {"seed", "of the first sample count; the others and the reference have their own", nullptr, kHighestSeed}};
-  for (const SettingGroup settings : {SettingGroup::picture, SettingGroup::transport})
+      {"max-depth", "longest path in bounces, that of the reference too"},
+      {"seed", "seed of the first sample count. The other counts and the reference have their own", nullptr,
+       kHighestSeed}};
+  for (const SettingGroup settings :
+       {SettingGroup::picture, SettingGroup::lens, SettingGroup::transport, SettingGroup::speed})
     add_settings(*command, kByStudy, settings, request->render, kWordings, group);
   add_device_flag(*command, request->render, group);
-  add_switch(*command, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request->quiet);
+  add_switch(*command, group, {"-q,--quiet", "", "print no progress and no summary", "off"}, request->quiet);
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);
   return [request, command] { return run_study_command(*command, *request); };

@@ -79,7 +79,7 @@ void check(ViewCommandRequest& request) {
   check_comparison(request);
   check_integrator(request.render);
   if (denoises_film(settings))
-    throw UsageError("--denoise", "filters finished pictures of paths, and a window shows none",
+    throw UsageError("--denoise", "filters finished pictures, and a window shows unfinished ones",
                      "use --integrator hybrid, or wavepath render");
   check_shutter(request.scene, request.render.settings);
   require_file(request.scene.path);
@@ -260,47 +260,48 @@ int run_view(ViewCommandRequest& request) {
 
 void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
   const char* group = "Window";
-  static constexpr Wording kWordings[] = {
-      {"spp", "samples per pixel at which rendering ends", "65536", kMostFrames},
-      {"target-error",
-       "estimated relative RMS error to tell the time until, and to stop at unless --frames is given; 0.01 = 1 %"}};
+  static constexpr Wording kWordings[] = {{"spp", "samples per pixel after which rendering ends", "65536", kMostFrames},
+                                          {"target-error",
+                                           "estimated relative RMS error to reach; 0.01 is 1 %. The window tells how "
+                                           "long that takes, and stops there unless "
+                                           "--frames is given"}};
   add_settings(app, kByView, SettingGroup::stop, request.render, kWordings, group);
+  add_flag(app, group,
+           {"--show", "WHAT",
+            "quantity that is shown first: color, albedo, normal, depth, position, direct, indirect, emission, "
+            "samples, variance, error, ao (of hybrid frames), roughness, metallic, triangles, instances, materials, or "
+            "shadow-error (of hybrid: falsely lit in orange, falsely dark in blue)",
+            "color"},
+           [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
   add_flag(
       app, group,
-      {"--show", "WHAT",
-       "what is shown first: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance, "
-       "error, ao (of hybrid frames), roughness, metallic, triangles, instances, materials, or shadow-error: falsely "
-       "lit in orange, falsely dark in blue (hybrid)",
-       "color"},
-      [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
-  add_flag(
-      app, group,
-      {"--split", "X", "from this share of the width on, 0 to 1, show the shadows of --against; hybrid", "not"},
+      {"--split", "X",
+       "fraction of the width, 0 to 1, from which on the shadows of --against are shown. Only with --integrator hybrid",
+       "none"},
       [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
   add_flag(
       app, group, {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
       [&](const FlagValue& value) { request.comparison.against = value.choice(choices_of(setting_named("shadows"))); });
-  add_flag(app, group,
-           {"--frames", "N", "close the window once this many samples per pixel are on screen", "stays open"},
+  add_flag(app, group, {"--frames", "N", "samples per pixel after which the window closes", "none: it stays open"},
            [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });
   add_flag(app, group,
            {"--screenshot", "FILE",
-            "write the picture at the end of --frames; .exr and .hdr linear, .png and .jpg tonemapped", "none"},
+            "picture to write at the end of --frames. .exr and .hdr are linear, .png and .jpg are tonemapped", "none"},
            [&](const FlagValue& value) { request.screenshot = value.text; });
 }
 
 } // namespace
 
 Command add_view(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = add_command(app, "view", "look at a scene in a window while it is path-traced");
+  CLI::App* command = add_command(app, "view", "show a scene in a window while it is path-traced");
   const auto request = std::make_shared<ViewCommandRequest>();
   request->command_line = command_line;
   add_window_flags(*command, *request);
   add_tone_flags(*command, request->tone);
-  add_picture_flags(*command, kByView, request->render);
   add_scene_flags(*command, request->scene, true);
   add_shutter_flag(*command, request->scene);
   add_view_flags(*command, request->scene.view);
+  add_picture_flags(*command, kByView, request->render);
   add_transport_flags(*command, kByView, request->render);
   return [request] { return run_view(*request); };
 }

@@ -108,7 +108,7 @@ StoredChoice choose(const std::string& path, const ReadRequest& request, const s
   stored.colours = *found;
   stored.part = parts[found->part];
   const StoredPart& part = stored.part;
-  if (part.deep) throw Error(path, "is a deep image, of several samples a pixel", "save it flattened");
+  if (part.deep) throw Error(path, "is a deep image, with several samples per pixel", "save it flattened");
   if (part.full_width == 0 || part.full_height == 0) throw ImageError("has an empty display window");
   if (request.environment) refuse_windows(path, part);
   if (request.light && part.cube && !(request.environment && is_stacked_cube(part.width, part.height)))

@@ -48,11 +48,11 @@ struct Rows {
   std::vector<PixelStatistics> pixels;
 };
 
-// relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
-// chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
-// comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
-// explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
-// edge may be far brighter. `least_noise`: variance that the pixel's mean has at least.
+// relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone is no good r: a sample that is bright by chance
+// raises mean and spread alike, and so hides its own error (up to a third of it, where noise is strong). So r is the
+// mean of the eight neighbours. At an edge, where the pixel differs from them by more than noise explains, r moves
+// towards the pixel's own mean. Of the weights by r and by the own mean the larger counts, because neighbours across an
+// edge may be far brighter. `least_noise`: the least variance of the pixel's mean.
 glm::dvec3 weight(const Rows& rows, std::size_t index, double least_noise) {
   const int width = static_cast<int>(rows.film.width), height = static_cast<int>(rows.film.height);
   const int x = static_cast<int>(index % rows.film.width), y = static_cast<int>(index / rows.film.width);

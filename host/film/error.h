@@ -18,8 +18,8 @@ struct RayCounts {
 struct ErrorEstimate {
   double relative_rms = 0.0;
   std::array<double, 2> ci95{};
-  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large,
-  // both the estimate and the picture depend on few samples: fireflies.
+  // Fraction of the estimated squared error that the largest single sample alone would explain. If it is large, both
+  // the estimate and the picture depend on few samples: fireflies.
   double largest_sample_share = 0.0;
 };
 
@@ -37,11 +37,11 @@ struct Checkpoint { // at powers of two of spp, and at the end
 // to 12 times. Not a number while a replicate lacks samples.
 ErrorEstimate estimate_error(const Film& film);
 
-// Whether there is an estimate: the spread needs a sample in every replicate.
+// True if there is an estimate: the spread needs a sample in every replicate.
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error);
 
-// Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's,
-// while too little is known.
+// Slope of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte
+// Carlo's, while too little is known.
 enum class Against { seconds, spp };
 double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against);
 

@@ -15,7 +15,7 @@
 
 namespace wavepath {
 
-// What decides how many sums a film has, and which pixels they belong to.
+// Shape of a film: how many sums it has, and which pixels they belong to.
 struct FilmShape {
   std::uint32_t width = 0, height = 0;
   bool aovs = false, splats = false;
@@ -35,7 +35,7 @@ struct FilmShape {
   std::uint64_t second_nets() const { return second_nets_above(height); }
   std::uint64_t places() const { return pixels() + second_nets(); } // with AOVs of their own
   std::uint64_t nets() const { return whole_nets ? places() : gpu::kReplicates * pixels(); }
-  // Of all sums.
+  // Memory of all sums.
   std::uint64_t bytes() const {
     return nets() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);

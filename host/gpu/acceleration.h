@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// Triangles of an object, in its own space, three corners each. What ray queries tell of one is its geometry, 0 or 1,
+// Triangles of an object, in its own space, three corners each. Ray queries name a triangle by its geometry, 0 or 1,
 // and its number there.
 struct QueryTriangles {
   std::span<const glm::vec3> opaque; // geometry 0: ends rays without asking

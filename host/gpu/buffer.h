@@ -13,9 +13,9 @@
 
 namespace wavepath {
 
-// Where a buffer lives: `device` is fastest for kernels; `readback` is mapped host memory that the device copies
-// results to; `addressed` is like `device`, for structures of ray queries and what they are built from, which are named
-// by address (needs DeviceInfo::has_ray_queries).
+// Memory that a buffer lives in: `device` is fastest for kernels; `readback` is mapped host memory that the device
+// copies results to; `addressed` is like `device`, for structures of ray queries and their inputs, which are named by
+// address (needs DeviceInfo::has_ray_queries).
 enum class BufferHome { device, readback, addressed };
 
 // Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer,

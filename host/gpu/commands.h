@@ -31,8 +31,8 @@ public:
   ~Commands(); // waits for what is in flight
   Commands(Commands&&) = delete;
 
-  // Waits for what is in flight, then begins recording anew. What is recorded runs after everything that was submitted
-  // to the device before, and sees what that wrote.
+  // Waits for work in flight, then begins recording anew. Recorded commands run after everything that was submitted to
+  // the device before, and see what that wrote.
   void restart(std::uint32_t timed_dispatches);
 
   VkCommandBuffer handle() const { return commands_; }
@@ -50,7 +50,7 @@ public:
   // copies at the beginning or the end of a recording that do not depend on each other.
   enum class Order { after_all, unordered };
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, Order order = Order::after_all);
-  // What dispatches wrote so far is visible to every dispatch and indirect read that follows.
+  // Makes writes of the dispatches so far visible to every dispatch and indirect read that follows.
   void barrier();
 
   // Ends recording and hands it to the device. Throws Error if the device fails.

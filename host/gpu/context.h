@@ -18,7 +18,7 @@ namespace wavepath {
 
 class PipelineCache; // host/gpu/pipeline_cache.h
 
-// What a device is opened for. `compile`: kernels are compiled for what the driver tells of them, and nothing is
+// Purpose that a device is opened for. `compile`: kernels are compiled for the statistics of the driver, and nothing is
 // allocated or run, so that a driver without its hardware serves as well.
 enum class DeviceUse { run, compile };
 
@@ -55,12 +55,12 @@ public:
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   PipelineCache& pipeline_cache() const { return *pipeline_cache_; }
-  // Whether the queue can rasterize. Path tracing needs no such queue.
+  // True if the queue can rasterize. Path tracing needs no such queue.
   bool rasterizes() const { return info_.rasterizes; }
-  // True where the host maps device memory, so that copies need no staging.
+  // True if the host maps device memory, so that copies need no staging.
   bool unified_memory() const { return unified_memory_; }
 
-  // Whether anything may have been rasterized: a target of it was made, or the device can fill windows.
+  // True if anything may have been rasterized: a target of it was made, or the device can fill windows.
   bool has_rasterized() const { return has_rasterized_; }
   void note_rasterizing() { has_rasterized_ = true; }
 

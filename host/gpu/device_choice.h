@@ -14,7 +14,7 @@ namespace wavepath {
 // one that fits lacks something, naming those that exist.
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted);
 
-// What to do where there is no driver: to mend the variables that tell the Vulkan loader where drivers are, if any is
+// Advice for machines without a driver: to mend the variables that tell the Vulkan loader where drivers are, if any is
 // set, or else to install one.
 std::string driver_remedy();
 

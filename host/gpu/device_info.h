@@ -1,4 +1,4 @@
-// What a device is and can do.
+// Properties and abilities of a device.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// What `wavepath info` reports. `missing` names what the program needs and the device lacks; empty = usable.
+// A device as `wavepath info` reports it. `missing` names what the program needs and the device lacks; empty = usable.
 struct DeviceInfo {
   std::string name, driver;
   std::string
@@ -41,9 +41,10 @@ struct DeviceInfo {
   std::vector<std::string> missing;
 };
 
-// Whether a device of this name traces camera rays sooner than it draws what they would meet: NVIDIA's Hopper cards, of
-// whose 66 texture processing clusters two draw (1080p on an H200: 1.6 to 6.9 ms drawn, 0.4 to 0.9 ms traced). Known by
-// name, because what is drawn and what is traced differ along edges: a choice by the clock would change pictures.
+// True if a device of this name traces camera rays sooner than it rasterizes the triangles that they would meet:
+// NVIDIA's Hopper cards, of whose 66 texture processing clusters two draw (1080p on an H200: 1.6 to 6.9 ms drawn, 0.4
+// to 0.9 ms traced). Known by name, because what is drawn and what is traced differ along edges: a choice by the clock
+// would change pictures.
 bool draws_slowly(const std::string& device_name);
 
 } // namespace wavepath

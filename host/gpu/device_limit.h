@@ -1,4 +1,4 @@
-// What a device refuses although it is fit for other work.
+// Error of a device that refuses something although it is fit for other work.
 #pragma once
 
 #include "host/base/error.h"

@@ -18,7 +18,7 @@ namespace wavepath {
 class Buffer;
 
 // Every Vulkan 1.3 device draws into and samples the formats but the last two, and filters rgba8, rgba8_srgb and
-// rgba16f linearly. What a device lacks beyond that is refused.
+// rgba16f linearly. Formats beyond these that a device lacks are refused.
 enum class ImageFormat {
   rgba8,      // fixed point, 0 to 1
   rgba8_srgb, // the same, colours decoded from sRGB before they are filtered
@@ -60,7 +60,7 @@ struct Sampling {
 // Throws Error if the device cannot sample images of this format so.
 VkSampler create_sampler(const Device& device, ImageFormat format, const Sampling& sampling);
 
-// What an image is used for. Copies are always allowed; rasterization and sampling are declared in ImageInfo.
+// Use of an image. Copies are always allowed; rasterization and sampling are declared in ImageInfo.
 enum class ImageUse { nothing, attachment, sampled, copied_from, copied_to };
 
 struct ImageInfo {

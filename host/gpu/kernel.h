@@ -41,9 +41,9 @@ struct Binding {
   const DeviceImage* image = nullptr; // of sampled_image
   Aspect aspect = Aspect::main;       // of the image
   Sampling sampling{};
-  // Of texels, which kernels read as storage blocks where DeviceInfo::has_few_texels: not those that are few on any
-  // device or leave the block to others, and those over the memory of a storage block through that one, whose slot
-  // `words` is.
+  // For texels, which kernels read as storage blocks if DeviceInfo::has_few_texels. `is_small`: they stay texels,
+  // because they are few on any device or leave the block to others. `words`: binding of the storage block over the
+  // same memory, through which they are read.
   bool is_small = false;
   std::uint32_t words = gpu::kNone;
 };

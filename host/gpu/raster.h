@@ -17,8 +17,8 @@
 
 namespace wavepath {
 
-// What an attachment is cleared to: float and fixed-point formats to `colour`, integers to `words`, depth formats to
-// `depth` and `stencil`.
+// Values that an attachment is cleared to: float and fixed-point formats to `colour`, integers to `words`, depth
+// formats to `depth` and `stencil`.
 struct ClearValue {
   std::array<float, 4> colour{};
   std::array<std::uint32_t, 4> words{};
@@ -60,9 +60,9 @@ struct StencilState {
   StencilFace front, back;
 };
 
-// What becomes of colours that are drawn over others. Alpha multiplies by one minus that of what is drawn, so that it
-// is the share of light that passes all that was drawn, if it is 1 at first. The same for all attachments, because
-// states of their own are an optional feature.
+// Blending of colours that are drawn over others. The alpha of an attachment is multiplied by one minus the alpha of
+// what is drawn: if it is 1 at first, it is the fraction of light that passes all that was drawn. All attachments blend
+// alike, because states of their own are an optional feature.
 enum class Blend {
   none, // replaced
   over, // colours are attenuated by what is drawn, whose own are multiplied by its alpha already (Porter and Duff 1984)
@@ -99,7 +99,8 @@ private:
   VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
-// What one draw call covers. There are no vertex buffers: shaders read gl_VertexIndex and gl_InstanceIndex.
+// Vertices and instances of one draw call. There are no vertex buffers: shaders read gl_VertexIndex and
+// gl_InstanceIndex.
 struct VertexRange {
   std::uint32_t first_vertex = 0, vertex_count = 0, first_instance = 0, instance_count = 1;
 };
@@ -131,7 +132,7 @@ public:
   // Records that drawing is over: kernels may sample the attachments declared so, until the next pass.
   void finish(Commands& commands);
 
-  // By place in the list of attachments. DeviceImage::copy_to() records a read-back.
+  // The image of an attachment, by its index in the list. DeviceImage::copy_to() records a read-back.
   DeviceImage& image(std::size_t attachment) { return *images_[attachment]; }
   const DeviceImage& image(std::size_t attachment) const { return *images_[attachment]; }
   std::uint64_t bytes() const; // of the images that the target owns

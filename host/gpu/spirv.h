@@ -6,7 +6,7 @@
 
 namespace wavepath::spirv {
 
-// Of the SPIR-V specification, section 3.49; the headers of the registry are no package that we need otherwise.
+// Opcodes of the SPIR-V specification, section 3.49; the headers of the registry are no package that we need otherwise.
 enum Op : std::uint32_t {
   OpSourceContinued = 2,
   OpSource = 3,

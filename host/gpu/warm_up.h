@@ -6,7 +6,7 @@
 
 namespace wavepath {
 
-// What `measure`, which returns seconds, took: on a CPU once, elsewhere in the last of as many rounds as keep the
+// Seconds that `measure` returned: on a CPU once, elsewhere in the last of as many rounds as keep the
 // device busy until it has clocked up.
 template <class Measure>
 double seconds_when_warm(const DeviceInfo& info, const Measure& measure) {

@@ -23,15 +23,19 @@ struct IntegratorChoice {
   double fraction = 0.0;              // of the render's paths that the pilots had
 };
 
-// `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then each
-// candidate renders a small picture; the one with the least squared error times work is taken, the first one unless
-// another is cheaper by more than a standard error or finds light that the first one lacks. Work is counted (rays by
-// kind, weighed by constants of the type of device), never timed, so that the choice depends on the device's type, the
-// scene, the view, the settings and `fits` alone. Where the whole render is less than twenty times the pilots, the
-// first candidate is taken without any. Where the first cannot lack light, no other is tried, and no kernel compiled
-// for it, if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole,
-// half of it where it is hard (100 %), as much where it is hopeless (300 %). Others than the first are left out where a
-// whole render by them does not fit into memory (`fits`). One that disagrees with the first (agreement.h) is not taken.
+// `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then:
+//
+// 1. A render of less than 20 pilots takes the first candidate, without a pilot.
+// 2. The first candidate renders a pilot of 16 samples.
+// 3. Unless it may lack light, it is taken if its error is below 10 %, or if pilots of the others would cost more than
+//    1/20 of the render (1/2 if its error is above 100 %, all of it above 300 %). No kernel is compiled for the others.
+// 4. The other candidates render pilots, but those whose whole render does not fit into memory (`fits`).
+// 5. The candidate with the least squared error times work is taken: the first one, unless another is cheaper by more
+//    than a standard error, or finds light that the first one lacks. None is taken that disagrees with the first
+//    (agreement.h).
+//
+// Work is counted (rays by kind, weighed by constants of the type of device), never timed. So the choice depends on the
+// device's type, the scene, the view, the settings and `fits` alone.
 IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
                                    const std::function<bool(const RenderPlan&)>& fits);
 

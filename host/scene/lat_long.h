@@ -16,7 +16,7 @@ glm::dvec2 environment_uv(const glm::dvec3& d, double rotation);
 // Its inverse: the unit world direction in which position `uv` of the map is seen.
 glm::dvec3 environment_direction(const glm::dvec2& uv, double rotation);
 
-// Of one texel of row y.
+// Solid angle of one texel of row y.
 double texel_solid_angle(std::size_t y, std::size_t width, std::size_t height);
 
 // Irradiance by channel on a level surface that faces up; of a map, its texels taken as constant.

@@ -72,11 +72,11 @@ struct Material {
   TextureSlot diffuse_transmission_texture, diffuse_transmission_color_texture; // A; RGB
 };
 
-// Whether a surface is shaded in directions that its texture coordinates give it, and which of them.
+// True if a surface is shaded in directions that its texture coordinates give it.
 inline bool needs_tangents(const Material& m) {
   return m.normal_texture.present() || m.coat_normal_texture.present() || m.anisotropy > 0.0f;
 }
-// The texture by whose coordinates they go: the first that there is.
+// The texture whose coordinates give these directions: the first that there is.
 inline const TextureSlot& tangent_slot(const Material& m) {
   for (const TextureSlot* slot : {&m.normal_texture, &m.coat_normal_texture, &m.anisotropy_texture})
     if (slot->present()) return *slot;
@@ -96,7 +96,7 @@ inline bool has_layer_tangents(const Material& m) {
   return has_layer_tangents(m, kCoatTangents) || has_layer_tangents(m, kGrainTangents);
 }
 
-// Where the kernels read a field: in one of the two records.
+// Member that the kernels read a field from, in one of the two records.
 template <class T>
 struct PackedField {
   T gpu::Material::*material = nullptr;

@@ -36,15 +36,14 @@ struct Mesh {
   std::vector<glm::vec3> normals; // unit length; zero where a primitive is flat
   std::vector<glm::vec4>
       tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
-  // Of layers (kCoatTangents, kGrainTangents) whose texture is read by other coordinates; empty where they are as
-  // those.
+  // Tangents of layers (kCoatTangents, kGrainTangents) whose texture is read by other coordinates; empty if they are
+  // the same.
   std::vector<glm::vec4> layer_tangents[2];
   std::vector<glm::vec2> uvs[2]; // the sets of the file that the material of each primitive reads
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
   std::vector<Primitive> primitives;
-  // What moves while the shutter is open: the same vertices when it closes, in the space of the others. Empty = as they
-  // are.
+  // Vertices that move while the shutter is open: where they are when it closes, in the same space. Empty = they stay.
   std::vector<glm::vec3> end_positions, end_normals;
   std::vector<glm::vec4> end_tangents, end_layer_tangents[2];
 

@@ -1,4 +1,4 @@
-// What the instances of a scene use: meshes with their instance counts, materials, and the place of each mesh's
+// Usage of data by the instances of a scene: meshes with their instance counts, materials, and the place of each mesh's
 // vertices.
 #pragma once
 

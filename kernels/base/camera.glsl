@@ -24,14 +24,15 @@ void camera_ray(vec2 position, out vec3 origin, out vec3 direction) {
 }
 
 // ---- a thin lens ----------------------------------------------------------------------------------------------------
-// Pharr, Jakob, Humphreys, "Physically Based Rendering", section 5.2.3: all rays of one place in the picture meet in one point
-// of the plane of focus, wherever they pass the aperture; a pinhole is its middle.
+// Pharr, Jakob, Humphreys, "Physically Based Rendering", section 5.2.3: all rays of one place in the picture meet in
+// one point of the plane of focus, wherever they pass the aperture; a pinhole is its middle.
 
 // A point of the unit disc, or of the regular polygon in it with a corner at the top; uniform over the area.
 vec2 sample_aperture(vec2 u) {
   if (kLens == kLensDisc) return warp_disk(u);
   float blade = floor(u.x * float(kLens)), share = u.x * float(kLens) - blade;
-  vec2 first = cos_sin_turns(fract(0.25 + blade / float(kLens))), second = cos_sin_turns(fract(0.25 + (blade + 1.0) / float(kLens)));
+  vec2 first = cos_sin_turns(fract(0.25 + blade / float(kLens))),
+       second = cos_sin_turns(fract(0.25 + (blade + 1.0) / float(kLens)));
   return sqrt(u.y) * mix(first, second, share);
 }
 

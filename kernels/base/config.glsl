@@ -6,7 +6,8 @@
 #include "kernels/base/features.h"
 
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
-layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll; // without LAYERED only of kLobeMultiple, see bsdf_types.glsl
+layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll; // without LAYERED only of kLobeMultiple, see
+                                                                // bsdf_types.glsl
 layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;
 layout(constant_id = kSpecWalk) const uint kWalk = kWalkByLane;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
@@ -31,7 +32,8 @@ const bool kInStep = kWalk == kWalkInStep;
 // Macros, so that conditions are constants before anything is inlined: see host/gpu/trim_spirv.h.
 #define has(feature) ((kFeatures & (feature)) != 0u)
 #define has_lobe(lobe) ((kLobes & (lobe)) != 0u)
-const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u; // some surface is more than diffuse
+// Whether some surface is more than diffuse.
+const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
 bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

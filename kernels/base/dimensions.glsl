@@ -1,5 +1,5 @@
-// Which pair of random numbers serves what. Bounce b uses kDimensionsPerBounce pairs from bounce_dimension(b) on, whether or not
-// a scene needs them all, so that leaving features out changes no number.
+// Which pair of random numbers serves what. Bounce b uses kDimensionsPerBounce pairs from bounce_dimension(b) on,
+// whether or not a scene needs them all, so that leaving features out changes no number.
 #ifndef WAVEPATH_DIMENSIONS_GLSL
 #define WAVEPATH_DIMENSIONS_GLSL
 
@@ -10,8 +10,8 @@ const uint kDimensionDirection = 0u; // of the scattered ray: lobe, and the dire
 const uint kDimensionChoice = 1u;    // x: reflected or transmitted, y: Russian roulette
 const uint kDimensionLight = 2u;     // which light, and the point on it
 
-// Of the point on the camera's lens, and of that which a light vertex is seen from; beyond those of any bounce, so that a lens
-// changes no other number.
+// Of the point on the camera's lens, and of that which a light vertex is seen from; beyond those of any bounce, so that
+// a lens changes no other number.
 const uint kDimensionLens = 0x80000000u;
 // Of a direction towards the sky beside that of the scattered ray, of a bounce; and, x: reflected or transmitted.
 const uint kDimensionSky = 0x20000000u;

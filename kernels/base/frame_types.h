@@ -13,10 +13,23 @@ GPU_CONSTANT uint kBindPlaces = 19u;   // texels R32UI: places in the order of w
 GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
 // ---- one render -----------------------------------------------------------------------------------------------------
-// Constants of a render. Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic),
-// direction = camera_forward (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and
-// up carry the image's half extent. A lens moves the origin over its aperture and turns the ray about its point in the
-// plane of focus (camera.glsl).
+// Constants of a render. Camera rays, with x and y in [-1, 1] across the picture:
+//
+//     perspective:   origin = camera_position,  direction = camera_forward + x*camera_right + y*camera_up
+//     orthographic:  origin = camera_position + x*camera_right + y*camera_up,  direction = camera_forward
+//
+//         pixel (0, 0)                          The picture as the eye sees it: o is camera_position + camera_forward
+//     y = 1  +-----------+-----------+          (perspective) or camera_position (orthographic).
+//            |           ^           |
+//            |           | up        |          camera_forward has length 1 and points into the picture.
+//            |           |   right   |          camera_right and camera_up are half the width and half the height of
+//            |           o---------->|          the picture: at a distance of 1 (perspective), or in metres.
+//            |                       |          All three are at right angles; camera_right points along
+//            |                       |          camera_forward x camera_up.
+//     y = -1 +-----------------------+
+//          x = -1                  x = 1        A pixel's centre is at x = 2 (column + 0.5) / width - 1.
+//
+// A lens moves the origin over its aperture and turns the ray about its point in the plane of focus (camera.glsl).
 struct Frame {
   vec3 camera_position;
   uint width;

@@ -1,14 +1,14 @@
-// Picks by intervals of the 32-bit integers: an entry is picked by the numbers from the end of the one before to its own
-// end (host/scene/pack/intervals.h). What is left of the number is stretched over all integers again, so that one number
-// makes a choice and then goes on: points of a net that make the same choice still form a net.
+// Picks by intervals of the 32-bit integers: an entry is picked by the numbers from the end of the one before to its
+// own end (host/scene/pack/intervals.h). What is left of the number is stretched over all integers again, so that one
+// number makes a choice and then goes on: points of a net that make the same choice still form a net.
 #ifndef WAVEPATH_INTERVALS_GLSL
 #define WAVEPATH_INTERVALS_GLSL
 
 // The largest number that picks: an interval that ends at 2^32 is stored with its end one lower.
 const uint kLargestPick = 0xfffffffeu;
 
-// floor(offset * 2^32 / width) for offset < width, within 2: the quotient of floats errs by 2^9 at most, and that of the
-// remainder takes this away.
+// floor(offset * 2^32 / width) for offset < width, within 2: the quotient of floats errs by 2^9 at most, and that of
+// the remainder takes this away.
 uint stretch(uint offset, uint width) {
   uint quotient = uint(min(float(offset) * (4294967296.0 / float(width)), 4294967040.0));
   uint high, low, borrow;
@@ -41,8 +41,8 @@ uint stretch(uint offset, uint width) {
     }                                                   \
   }
 
-// The same where words of cut_intervals() (host/scene/pack/intervals.h) tell between which entries the search is. CUT(i): word
-// i. Tested at its end, the loop would find wrong entries on the CPU driver where ends are a storage block
+// The same where words of cut_intervals() (host/scene/pack/intervals.h) tell between which entries the search is.
+// CUT(i): word i. Tested at its end, the loop would find wrong entries on the CPU driver where ends are a storage block
 // (benchmarks/results/NOTES.md), and it is no faster.
 uint cut_bits(uint count) { return uint(clamp(findMSB(count) - kCutShift, 0, kMostCutBits)); }
 

@@ -77,7 +77,8 @@ float minus_log2(float x) {
     ++exponent;
   }
   float s = (m - 1.0) / (m + 1.0), q = s * s;
-  return -(float(exponent) + 2.88539008 * s * (1.0 + q * (0.333333333 + q * (0.2 + q * (0.142857143 + q * 0.111111111)))));
+  return -(float(exponent) +
+           2.88539008 * s * (1.0 + q * (0.333333333 + q * (0.2 + q * (0.142857143 + q * 0.111111111)))));
 }
 
 // 2^-(whole + part) for part in [0, 1), error below 2e-7 of the result: a Taylor series about 1/2.

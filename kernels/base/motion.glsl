@@ -1,5 +1,5 @@
-// Where corners and normals of triangles are at the moment of a path, if they move while the shutter is open: along straight
-// lines, from where it opens to where it closes. Include bindings.glsl with BIND_GEOMETRY first.
+// Where corners and normals of triangles are at the moment of a path, if they move while the shutter is open: along
+// straight lines, from where it opens to where it closes. Include bindings.glsl with BIND_GEOMETRY first.
 #ifndef WAVEPATH_MOTION_GLSL
 #define WAVEPATH_MOTION_GLSL
 
@@ -16,8 +16,8 @@ void open_shutter(Sampler path_sampler) {
   if (kMoves) shutter_time = sample_2d(path_sampler, kDimensionTime).x;
 }
 
-// The corner of a triangle that stands in a texel. Precise: traversal and shading see the same triangle to the last bit, so that
-// rounding here is no error of a hit.
+// The corner of a triangle that stands in a texel. Precise: traversal and shading see the same triangle to the last
+// bit, so that rounding here is no error of a hit.
 vec3 moved(vec3 corner, int texel) {
   if (!kMoves) return corner;
   precise vec3 place = corner + shutter_time * texelFetch(triangles, int(frame.motion_texel) + texel).xyz;

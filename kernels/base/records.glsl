@@ -49,7 +49,8 @@ Texture fetch_texture(uint index) {
   uvec4 image = texelFetch(texture_texels, texel);
   vec4 uv_matrix = uintBitsToFloat(texelFetch(texture_texels, texel + 1));
   uvec4 offset_mips = texelFetch(texture_texels, texel + 2);
-  return Texture(image.x, image.y, image.z, image.w, uv_matrix, uintBitsToFloat(offset_mips.xy), offset_mips.z, offset_mips.w);
+  return Texture(image.x, image.y, image.z, image.w, uv_matrix, uintBitsToFloat(offset_mips.xy), offset_mips.z,
+                 offset_mips.w);
 }
 #endif
 

@@ -2,8 +2,8 @@
 // Sobol.
 //
 // A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn, or all make one net
-// (net_layout.h); each replicate is an independent randomization of the same point set, so that the spread of their means
-// measures the error of any sampler.
+// (net_layout.h); each replicate is an independent randomization of the same point set, so that the spread of their
+// means measures the error of any sampler.
 #ifndef WAVEPATH_SAMPLER_GLSL
 #define WAVEPATH_SAMPLER_GLSL
 
@@ -37,7 +37,9 @@ Sampler make_net_sampler(uint seed, uint pixel, uint replicate, uint index, uint
 }
 
 // Of so many samples of halved nets, those of one replicate.
-uint samples_of_half(uint sample_total, uint replicate) { return (sample_total + kReplicates - 1u - replicate) / kReplicates; }
+uint samples_of_half(uint sample_total, uint replicate) {
+  return (sample_total + kReplicates - 1u - replicate) / kReplicates;
+}
 
 // Sample `sample_` of halved nets.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {

@@ -1,5 +1,18 @@
 // Orders that keep neighbours together. Waves visit pixels in 8x8 tiles, Z-order inside a tile (Morton 1966), so that
 // neighbouring lanes trace neighbouring rays. Compiled by kernels and host alike.
+//
+//     within a complete tile                        tiles of a picture of 20x12 pixels: first index of each
+//      0  1 |  4  5 | 16 17 | 20 21                 +--------+--------+----+
+//      2  3 |  6  7 | 18 19 | 22 23                 | 0      | 64     |128 |
+//     ------+-------+-------+------                 | 8x8    | 8x8    |4x8 |   a tile that the border cuts is visited
+//      8  9 | 12 13 | 24 25 | 28 29                 +--------+--------+----+   row by row
+//     10 11 | 14 15 | 26 27 | 30 31                 |160 8x4 |192 8x4 |224 |
+//     ------+-------+-------+------                 +--------+--------+----+
+//     32 33 | 36 37 | 48 49 | 52 53
+//     34 35 | 38 39 | 50 51 | 54 55                 Four consecutive indices, counted from 0, are a quad: a square of
+//     ------+-------+-------+------                 2x2 in a complete tile.
+//     40 41 | 44 45 | 56 57 | 60 61
+//     42 43 | 46 47 | 58 59 | 62 63
 #ifndef WAVEPATH_TILE_ORDER_H
 #define WAVEPATH_TILE_ORDER_H
 

@@ -1,5 +1,5 @@
-// A kd-tree: two words a node, as Pharr, Jakob and Humphreys have it. Of an inner node the plane, and the axis with the left
-// child, which the right one follows; of a leaf its first item, and 3 with the number of items. Near side first.
+// A kd-tree: two words a node, as Pharr, Jakob and Humphreys have it. Of an inner node the plane, and the axis with the
+// left child, which the right one follows; of a leaf its first item, and 3 with the number of items. Near side first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

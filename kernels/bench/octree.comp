@@ -1,6 +1,6 @@
-// An octree, walked from the times at which the ray crosses the planes of its nodes (Revelles, Urena, Lastra 2000), in space
-// mirrored so that the ray runs along growing axes. Two words a node: of an inner node its first child of eight and 0xffffffff,
-// of a leaf its first item and their number. Bit a of a child's number: the upper half on axis a.
+// An octree, walked from the times at which the ray crosses the planes of its nodes (Revelles, Urena, Lastra 2000), in
+// space mirrored so that the ray runs along growing axes. Two words a node: of an inner node its first child of eight
+// and 0xffffffff, of a leaf its first item and their number. Bit a of a child's number: the upper half on axis a.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
-// What structures other than the product's share: one ray a lane, the product's triangle test. No alpha, no facing. kAnyHit:
-// any hit will do. Each structure has its own kernel, which defines void traverse(float t_enter, float t_exit), told where the
-// ray crosses the structure's box.
+// What structures other than the product's share: one ray a lane, the product's triangle test. No alpha, no facing.
+// kAnyHit: any hit will do. Each structure has its own kernel, which defines void traverse(float t_enter, float
+// t_exit), told where the ray crosses the structure's box.
 #ifndef WAVEPATH_STRUCTURE_GLSL
 #define WAVEPATH_STRUCTURE_GLSL
 
@@ -8,7 +8,8 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kAnyHit = false;
-layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are dear, see kernels/bvh/bvh_in_step.glsl
+layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are dear, see
+                                                              // kernels/bvh/bvh_in_step.glsl
 layout(constant_id = 2) const bool kCounts = false; // tells the work of each ray
 layout(set = 0, binding = 0) uniform samplerBuffer rays; // two texels a ray: origin and t_max, direction
 layout(set = 0, binding = 1) uniform samplerBuffer corners; // three texels a triangle

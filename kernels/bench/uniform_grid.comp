@@ -1,4 +1,5 @@
-// A uniform grid, walked cell by cell (Amanatides and Woo 1987). nodes: where the items of each cell begin, and one more.
+// A uniform grid, walked cell by cell (Amanatides and Woo 1987). nodes: where the items of each cell begin, and one
+// more.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,7 +21,9 @@ void traverse(float t_enter, float t_exit) {
     // Taken anew from the cell, so that no error grows along the way.
     vec3 leave = (lo + vec3(cell + mix(ivec3(1), ivec3(0), backwards)) * cell_size - ray.origin) * ray.reciprocal;
     float t_leave = min(leave.x, min(leave.y, leave.z));
-    bvec3 chosen = leave.x == t_leave ? bvec3(true, false, false) : leave.y == t_leave ? bvec3(false, true, false) : bvec3(false, false, true);
+    bvec3 chosen = leave.x == t_leave   ? bvec3(true, false, false)
+                   : leave.y == t_leave ? bvec3(false, true, false)
+                                        : bvec3(false, false, true);
     cell += mix(ivec3(0), steps, chosen);
     inside = !is_over() && t_leave <= t_best && all(greaterThanEqual(cell, ivec3(0))) && all(lessThanEqual(cell, last));
   }

@@ -1,6 +1,6 @@
 // An 8-wide BVH of compressed nodes (Ylitie, Karras, Laine 2017), five texels a node, which host/bench/structures/
-// wide_tree.cpp describes. Traversal goes as in kernels/bvh/bvh.glsl: nearest child first, for any hit the largest; items of a
-// node that the ray enters wait until all lanes have some, or are done.
+// wide_tree.cpp describes. Traversal goes as in kernels/bvh/bvh.glsl: nearest child first, for any hit the largest;
+// items of a node that the ray enters wait until all lanes have some, or are done.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,11 +13,11 @@ const uint kNodeTexels = 5u;
 const uint kMissedKey = 0xffffffffu;
 
 // ---- the stack ------------------------------------------------------------------------------------------------------
-// An entry is a group of siblings: the node of the first, and the order of those still to be visited, 0 where there is none.
-// For a closest hit an order is slots by distance, three bits each, with their number in the top byte; for any hit it is a
-// mask of slots, the highest first. The top entry is the group that the ray is in. Where kStackInRegisters, six entries are
-// in registers (with four, rays on Sponza take 5 to 10 % longer) and the array takes what overflows. Otherwise it holds all
-// but the top.
+// An entry is a group of siblings: the node of the first, and the order of those still to be visited, 0 where there is
+// none. For a closest hit an order is slots by distance, three bits each, with their number in the top byte; for any
+// hit it is a mask of slots, the highest first. The top entry is the group that the ray is in. Where kStackInRegisters,
+// six entries are in registers (with four, rays on Sponza take 5 to 10 % longer) and the array takes what overflows.
+// Otherwise it holds all but the top.
 uvec3 firsts, firsts_below;
 uvec3 orders, orders_below;
 uvec2 stack_array[kMostDepth];
@@ -88,11 +88,13 @@ float cell_size(uint layout_, uint shift) {
 
 ivec4 crossings(uint planes, float slope, float offset) {
   vec4 cells = vec4(planes & 255u, planes >> 8u & 255u, planes >> 16u & 255u, planes >> 24u);
-  return floatBitsToInt(kStackInRegisters ? cells * slope + offset : fma(cells, vec4(slope), vec4(offset))); // as in bvh.glsl
+  // As in bvh.glsl.
+  return floatBitsToInt(kStackInRegisters ? cells * slope + offset : fma(cells, vec4(slope), vec4(offset)));
 }
 
 // Tests four children. Returns the slots of those that the ray enters; their keys grow with the distance.
-uint enter_children(uvec3 near_planes, uvec3 far_planes, vec3 slope, vec3 offset, uvec4 slots, uvec4 numbers, out uvec4 keys) {
+uint enter_children(uvec3 near_planes, uvec3 far_planes, vec3 slope, vec3 offset, uvec4 slots, uvec4 numbers,
+                    out uvec4 keys) {
   ivec4 t_near = max(max(crossings(near_planes.x, slope.x, offset.x), crossings(near_planes.y, slope.y, offset.y)),
                      max(crossings(near_planes.z, slope.z, offset.z), ivec4(0)));
   ivec4 t_far = min(min(crossings(far_planes.x, slope.x, offset.x), crossings(far_planes.y, slope.y, offset.y)),
@@ -134,8 +136,10 @@ void visit() {
   y = ray.reciprocal.y < 0.0 ? y.zwxy : y;
   z = ray.reciprocal.z < 0.0 ? z.zwxy : z;
   uvec4 lower, upper;
-  uint entered = enter_children(uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), slope, offset, kLowerSlots, uvec4(0u, 1u, 2u, 3u), lower) |
-                 enter_children(uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), slope, offset, kUpperSlots, uvec4(4u, 5u, 6u, 7u), upper);
+  uint entered = enter_children(uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), slope, offset, kLowerSlots,
+                                uvec4(0u, 1u, 2u, 3u), lower) |
+                 enter_children(uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), slope, offset, kUpperSlots,
+                                uvec4(4u, 5u, 6u, 7u), upper);
   entered &= children.z;
   first_item = children.y;
   waiting_items = entered & 0xffffffu;

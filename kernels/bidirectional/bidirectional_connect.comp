@@ -1,4 +1,5 @@
-// Traces the rays that connect camera paths to vertices of light paths: a path gains their light unless they are blocked.
+// Traces the rays that connect camera paths to vertices of light paths: a path gains their light unless they are
+// blocked.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

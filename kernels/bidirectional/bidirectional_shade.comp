@@ -1,5 +1,5 @@
-// Shades the hits of camera paths: light met by chance, one ray to a light, one to a vertex of the slot's light path, and the
-// next ray of the path, each weighted against all other ways to find the same light.
+// Shades the hits of camera paths: light met by chance, one ray to a light, one to a vertex of the slot's light path,
+// and the next ray of the path, each weighted against all other ways to find the same light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -33,7 +33,8 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Whether the latest vertex of the camera path can be connected to the one before it: to the camera itself, or to a surface.
+// Whether the latest vertex of the camera path can be connected to the one before it: to the camera itself, or to a
+// surface.
 bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSplat : kTechniqueConnect); }
 
 // Of the light that a segment from v carries when it leaves towards `wi`.
@@ -43,15 +44,17 @@ vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
   return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
 }
 
-// Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked to
-// connect to; `start_pdf`: with which a light path begins there and takes the path's last edge; `merged`: see merging.glsl.
+// Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked
+// to connect to; `start_pdf`: with which a light path begins there and takes the path's last edge; `merged`: see
+// merging.glsl.
 float hit_weight(PathWeights weights, float connect_pdf, float start_pdf, float merged) {
   if (wave.bounce == 0u) return 1.0;
   float to_light = uses_technique(kTechniqueLight) ? square(connect_pdf) * weights.connect : 0.0;
   return 1.0 / (1.0 + to_light + square(start_pdf) * (weights.others + merged));
 }
 
-// Whether what the path met could have been found from the vertex before it, by a choice of lights that goes by that vertex.
+// Whether what the path met could have been found from the vertex before it, by a choice of lights that goes by that
+// vertex.
 bool was_chosen_there(PathWeights weights) {
   return uses_light_tree() && wave.bounce > 0u && weights.connect > 0.0;
 }
@@ -75,7 +78,8 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
 
   ray.slot = slot;
   ray.light = light.light;
-  ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
+  ray.origin =
+      offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = light.distant ? kFar : 1.0;
   return true;
@@ -96,14 +100,15 @@ vec3 connect_to_vertex(Vertex v, LightVertex at, uint slot, PathWeights weights,
   float light_forward, light_reverse;
   vec3 light_value = scatter_value(light_end, at.direction, light_forward, light_reverse);
   float cosine = surface_cosine(v, wi), light_cosine = surface_cosine(light_end, wi);
-  float others = nearer(weights, light_reverse * cosine / distance_squared, reverse, connects_behind()) +
-                 nearer(PathWeights(at.connect, at.others), forward * light_cosine / distance_squared, light_forward, true);
+  float others =
+      nearer(weights, light_reverse * cosine / distance_squared, reverse, connects_behind()) +
+      nearer(PathWeights(at.connect, at.others), forward * light_cosine / distance_squared, light_forward, true);
   return value * light_value * at.light * transmittance(v, wi, slot, sqrt(distance_squared)) *
          (light_cosine / (distance_squared * (1.0 + others)));
 }
 
-// Picks one of the slot's light vertices in proportion to what it would give (Talbot 2005), so that one ray does for all: true
-// if there is one worth tracing.
+// Picks one of the slot's light vertices in proportion to what it would give (Talbot 2005), so that one ray does for
+// all: true if there is one worth tracing.
 bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights weights, out Connection c) {
   uint dimension = bounce_dimension(frame.max_depth + 1u + wave.bounce); // beyond those of the light path itself
   float u = sample_2d(light_sampler(slot), dimension).x;
@@ -134,7 +139,8 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
   if (is_finite(c.contribution) && max_component(c.contribution) <= 0.0) return false;
   vec3 to_target = target.position - v.surface.position;
   c.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, to_target);
-  c.direction = offset_ray_origin(target.position, target.position_error, target.geometric_normal, -to_target) - c.origin;
+  c.direction =
+      offset_ray_origin(target.position, target.position_error, target.geometric_normal, -to_target) - c.origin;
   c.slot = slot;
   c.pixel = 0u;
   return true;
@@ -164,7 +170,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe
   path.eta_scale *= s.eta_scale;
-  float survival = sqrt(max_component(path.throughput) * path.eta_scale); // a larger one, as in path/shade.comp, gains nothing
+  float survival = sqrt(max_component(path.throughput) * path.eta_scale); // a larger one, as in path/shade.comp, gains
+                                                                          // nothing
   if (survival < 1.0 && wave.bounce > 1u) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
@@ -172,7 +179,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (!(max_component(path.throughput) > 0.0)) return false;
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) cross_surface(v, slot);
-  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi,
+            kFar);
   return true;
 }
 
@@ -196,8 +204,8 @@ bool pass_hidden(Vertex v, Ray ray, vec3 offset, inout PathState path, out Ray n
   store_merge(ray.slot, merge_scattered_delta(merge_arrived(fetch_merge(ray.slot), cosine), cosine, 1.0));
   path.bsdf_pdf = -1.0;
   cross_surface(v, ray.slot);
-  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction), ray.slot,
-             ray.direction, kFar);
+  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction),
+             ray.slot, ray.direction, kFar);
   return true;
 }
 
@@ -206,7 +214,8 @@ struct Wants {
 };
 
 // Follows the path of one ray to its next vertex. Returns which rays it wants traced.
-void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {
+void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray next, out ShadowRay shadow,
+            out Connection connection) {
   wants = Wants(false, false, false);
   uint slot = ray.slot;
   bool hits = wave.bounce == 0u || uses_technique(kTechniqueHit);
@@ -248,7 +257,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     float pdf = light_pdf_area(surface, hit);
     float merged = merge_met_light(merge, path.bsdf_pdf);
     float connect_pdf = pdf;
-    if (was_chosen_there(weights) && pdf > 0.0) connect_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
+    if (was_chosen_there(weights) && pdf > 0.0)
+      connect_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
     float weight = hit_weight(weights, connect_pdf, pdf * triangle_direction_pdf(material, cosine), merged);
     add_radiance(path, slot, path.throughput * emitted * weight);
   }

@@ -1,4 +1,5 @@
-// Sums of positive numbers that do not depend on their order: 128 bits of fixed point in units of 2^-60, as splats are summed.
+// Sums of positive numbers that do not depend on their order: 128 bits of fixed point in units of 2^-60, as splats are
+// summed.
 #ifndef WAVEPATH_EXACT_TOTAL_GLSL
 #define WAVEPATH_EXACT_TOTAL_GLSL
 
@@ -16,8 +17,10 @@ void add_exact(inout uvec4 total, float value) {
   }
   uint word = uint(shift) >> 5u, bit = uint(shift) & 31u;
   uint low = mantissa << bit, high = bit > 8u ? mantissa >> (32u - bit) : 0u;
-  uvec4 term = word == 0u ? uvec4(low, high, 0u, 0u) : word == 1u ? uvec4(0u, low, high, 0u)
-                                                                   : word == 2u ? uvec4(0u, 0u, low, high) : uvec4(0u, 0u, 0u, low);
+  uvec4 term = word == 0u   ? uvec4(low, high, 0u, 0u)
+               : word == 1u ? uvec4(0u, low, high, 0u)
+               : word == 2u ? uvec4(0u, 0u, low, high)
+                            : uvec4(0u, 0u, 0u, low);
   uint carry, more;
   total.x = uaddCarry(total.x, term.x, carry);
   for (int i = 1; i < 4; ++i) {

@@ -22,7 +22,8 @@ float nearest_unlit; // that the ray has met
 // Light passes unlit surfaces; but those on the way to a mirror are seen in it, and hide the light.
 bool passes(Hit hit, float t) {
   uint packed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
-  if ((fetch_material(packed & kTriangleMaterialMask).flags & kMaterialUnlit) != 0u) nearest_unlit = min(nearest_unlit, t);
+  if ((fetch_material(packed & kTriangleMaterialMask).flags & kMaterialUnlit) != 0u)
+    nearest_unlit = min(nearest_unlit, t);
   return is_hole(hit, path_sampler, kHashExtend);
 }
 
@@ -32,16 +33,17 @@ bool passes(Hit hit, float t) {
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Where all rays of camera paths pass single-sided surfaces from behind (--cull all), light that meets the front of one is seen
-// both there and by what lies behind it; so it passes at random.
+// Where all rays of camera paths pass single-sided surfaces from behind (--cull all), light that meets the front of one
+// is seen both there and by what lies behind it; so it passes at random.
 const float kPassing = 1.0 / 8.0;
 
 bool is_passable(Hit hit, Surface surface, vec3 direction) {
   return is_single_sided(hit) && dot(surface.geometric_normal, direction) < 0.0;
 }
 
-// Light begins in the bodies that hold its lamp: those whose surfaces its ray, led straight on through everything, leaves before
-// it enters them. What lies beyond kMostPassed surfaces is not seen: loops end after 65,535 trips on CPU drivers.
+// Light begins in the bodies that hold its lamp: those whose surfaces its ray, led straight on through everything,
+// leaves before it enters them. What lies beyond kMostPassed surfaces is not seen: loops end after 65,535 trips on CPU
+// drivers.
 const uint kMostPassed = 64u;
 
 void begin_in_bodies(Ray ray, Hit hit) {
@@ -79,7 +81,8 @@ void main() {
       goes_on = hash_unit(path_sampler, alpha_key(wave.bounce, kHashConnect), passed) < kPassing;
       weight /= goes_on ? kPassing : 1.0 - kPassing;
       if (!goes_on) break;
-      vec3 origin = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction);
+      vec3 origin =
+          offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction);
       nearest_unlit = kFar;
       hit = trace(origin, ray.direction, ray.t_max);
       met_unlit = met_unlit || nearest_unlit < t_best;
@@ -92,6 +95,7 @@ void main() {
     store_path(ray.slot, path);
   }
   store_hit(index, hit);
-  bool may_begin_inside = has(kFeatureVolume) && wave.bounce == 1u && bidirectional.lamps_in_bodies != 0u && ray.t_max > 0.0;
+  bool may_begin_inside =
+      has(kFeatureVolume) && wave.bounce == 1u && bidirectional.lamps_in_bodies != 0u && ray.t_max > 0.0;
   if (may_begin_inside && fetch_path(ray.slot).bsdf_pdf != 0.0) begin_in_bodies(ray, hit);
 }

@@ -20,9 +20,10 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Light paths count their surfaces from 1, so that their rays begin in the second queue. In a light path's state, `radiance`
-// is what it began with, `throughput` what is left of it, a `bsdf_pdf` of 0 says that its ray comes from infinity, a
-// negative one is that of a light with a range, negated inverse, and a negative `eta_scale` that its latest ray has met an unlit surface.
+// Light paths count their surfaces from 1, so that their rays begin in the second queue. In a light path's state,
+// `radiance` is what it began with, `throughput` what is left of it, a `bsdf_pdf` of 0 says that its ray comes from
+// infinity, a negative one is that of a light with a range, negated inverse, and a negative `eta_scale` that its latest
+// ray has met an unlit surface.
 void main() {
   uint slot = gl_GlobalInvocationID.x;
   if (slot == 0u) queues.ray_count[1] = wave.pixel_count * wave.sample_count;
@@ -32,7 +33,11 @@ void main() {
   bool sound = is_finite(start.origin) && is_finite(start.direction) && is_finite(start.light);
   float t_max = shines && sound ? kFar : 0.0; // which meets nothing
   store_ray(frame.slot_count + slot, Ray(start.origin, slot, start.direction, t_max));
-  store_path(slot, PathState(vec3(1.0), start.distant ? 0.0 : start.inverse_range > 0.0 ? -start.inverse_range : 1.0, start.light, 1.0));
+  store_path(slot, PathState(vec3(1.0),
+                             start.distant               ? 0.0
+                             : start.inverse_range > 0.0 ? -start.inverse_range
+                                                         : 1.0,
+                             start.light, 1.0));
   store_weights(slot, start.weights);
   light_counts[slot] = 0u;
   if (uses(kFeatureLightTree)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);

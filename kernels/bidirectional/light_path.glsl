@@ -1,5 +1,5 @@
-// Where light paths begin: a light chosen by its power, a point on it and a direction from it. Include bindings.glsl with
-// BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and BIND_ENVIRONMENT first.
+// Where light paths begin: a light chosen by its power, a point on it and a direction from it. Include bindings.glsl
+// with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_LIGHT_PATH_GLSL
 #define WAVEPATH_LIGHT_PATH_GLSL
 
@@ -7,12 +7,12 @@
 #include "kernels/light/emission.glsl"
 #include "kernels/base/pixel.glsl"
 
-// Light paths draw from dimensions of their own: those of a sampler with another seed. As they do not belong to their pixels,
-// those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is stratified however few a
-// pixel's own are.
+// Light paths draw from dimensions of their own: those of a sampler with another seed. As they do not belong to their
+// pixels, those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is
+// stratified however few a pixel's own are.
 //
-// Those of photons belong to no pixel at all: a wave of them counts its paths by `first_pixel`, and has a sample number for each
-// map and replicate.
+// Those of photons belong to no pixel at all: a wave of them counts its paths by `first_pixel`, and has a sample number
+// for each map and replicate.
 bool traces_photons() { return wave.first_film_pixel == kNone; }
 
 Sampler light_sampler(uint slot) {
@@ -38,7 +38,8 @@ Sampler light_sampler(uint slot) {
 }
 
 bool is_single_sided(Hit hit) {
-  return has(kFeatureCull) && (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTriangleSingleSided) != 0u;
+  return has(kFeatureCull) &&
+         (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTriangleSingleSided) != 0u;
 }
 
 struct LightStart {
@@ -140,7 +141,8 @@ bool start_light_path(Sampler path_sampler, out LightStart start) {
   return max_component(start.light) > 0.0;
 }
 
-// Density per area, at a surface with the given cosine, with which a light path that begins where `s` ends would find it.
+// Density per area, at a surface with the given cosine, with which a light path that begins where `s` ends would find
+// it.
 float start_pdf_area(LightSample s, vec3 from, float cosine) {
   if (s.distant) return disk_pdf() * cosine;
   Light light = fetch_light(s.light);
@@ -148,7 +150,8 @@ float start_pdf_area(LightSample s, vec3 from, float cosine) {
   float direction_pdf;
   if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) {
     Surface surface = fetch_surface(Hit(light.triangle, light.instance, 1.0 / 3.0, 1.0 / 3.0));
-    direction_pdf = triangle_direction_pdf(fetch_material(surface.material), abs(dot(surface.geometric_normal, s.direction)));
+    direction_pdf =
+        triangle_direction_pdf(fetch_material(surface.material), abs(dot(surface.geometric_normal, s.direction)));
     offset = s.target - from;
   } else {
     direction_pdf = cone_pdf(light);

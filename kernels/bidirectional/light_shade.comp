@@ -25,8 +25,9 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Where a point appears in the picture, in pixels from the top left corner, and the ray that shows it: `to_point` of unit
-// length. `lens`: the point of the aperture that the ray passes, from its middle. False if it is behind the camera.
+// Where a point appears in the picture, in pixels from the top left corner, and the ray that shows it: `to_point` of
+// unit length. `lens`: the point of the aperture that the ray passes, from its middle. False if it is behind the
+// camera.
 bool project(vec3 point, vec3 lens, out vec2 position, out vec3 origin, out vec3 to_point) {
   vec3 offset = point - frame.camera_position;
   float depth = dot(offset, frame.camera_forward);
@@ -84,7 +85,8 @@ float pick_pixel(vec2 position, vec2 u, out uvec2 pixel) {
 }
 
 // Connects the vertex to the camera: true if there is a ray worth tracing. `light`: as LightVertex has it.
-bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 light, PathWeights weights, out Connection c) {
+bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 light, PathWeights weights,
+                       out Connection c) {
   vec2 position;
   vec3 origin, to_point;
   uvec2 pixel;
@@ -107,7 +109,8 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
 
   c.origin = origin;
   c.slot = slot;
-  c.direction = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, -to_point) - origin;
+  c.direction =
+      offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, -to_point) - origin;
   c.triangle = hit.triangle;
   c.instance = hit.instance;
   c.pixel = tile_order_of(pixel, frame.width, frame.height);
@@ -139,7 +142,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
 }
 
 // Follows a light path to its next vertex. Returns which of the two rays it wants traced.
-void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_splat, out Connection splat) {
+void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_splat,
+            out Connection splat) {
   wants_ray = wants_splat = false;
   Vertex v;
   float cosine;
@@ -151,7 +155,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     store_weights(ray.slot, weights);
     return;
   }
-  if (wave.bounce == 1u && uses_light_tree() && bsdf_has_smooth(v.bsdf)) { // a camera path would choose the light by this vertex
+  if (wave.bounce == 1u && uses_light_tree() && bsdf_has_smooth(v.bsdf)) { // a camera path would choose the light by
+                                                                           // this vertex
     uint light = texelFetch(receiver_texels, int(ray.slot)).x;
     weights = bounded(PathWeights(weights.connect * square(light_ratio(receiver_at(v), light)), weights.others));
   }
@@ -169,8 +174,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (wave.bounce < frame.max_depth && uses_technique(kTechniqueConnect)) {
       uint place = light_counts[ray.slot]++;
       store_light_vertex(light_vertex_place(ray.slot, place),
-                         LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1, hit.b2,
-                                     weights.others, outside, 0u, 0u));
+                         LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1,
+                                     hit.b2, weights.others, outside, 0u, 0u));
     }
   }
   if (wave.bounce < frame.max_depth) {

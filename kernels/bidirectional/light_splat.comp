@@ -1,5 +1,6 @@
-// Traces the rays from the camera to vertices of light paths: the film gains their light unless they are blocked. Dispatched
-// for every band of the film; push constants `first_film_pixel` and `sample_count` say which pixels it holds.
+// Traces the rays from the camera to vertices of light paths: the film gains their light unless they are blocked.
+// Dispatched for every band of the film; push constants `first_film_pixel` and `sample_count` say which pixels it
+// holds.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

@@ -26,8 +26,8 @@ bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out flo
   return true;
 }
 
-// Through a delta lobe, towards `w`: flux is not scaled by refraction as radiance is. False where a mirror shows an unlit surface
-// instead of the light.
+// Through a delta lobe, towards `w`: flux is not scaled by refraction as radiance is. False where a mirror shows an
+// unlit surface instead of the light.
 bool light_passes_delta(Vertex v, vec3 local, BsdfSample s, vec3 w, inout PathState path, inout PathWeights weights) {
   if (path.eta_scale < 0.0) return false;
   float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo), bend = abs(local.z) / abs(s.wi.z);
@@ -36,14 +36,16 @@ bool light_passes_delta(Vertex v, vec3 local, BsdfSample s, vec3 w, inout PathSt
   return true;
 }
 
-// Straight on through a surface that another body hides, as camera paths go. False where these see an unlit surface instead.
-bool light_passes_hidden(Ray ray, Vertex v, float cosine, inout PathState path, inout PathWeights weights, out Ray next) {
+// Straight on through a surface that another body hides, as camera paths go. False where these see an unlit surface
+// instead.
+bool light_passes_hidden(Ray ray, Vertex v, float cosine, inout PathState path, inout PathWeights weights,
+                         out Ray next) {
   if (path.eta_scale < 0.0) return false;
   path.bsdf_pdf = 1.0;
   weights = scattered_delta(weights, cosine, 1.0);
   cross_surface(v, ray.slot);
-  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction), ray.slot,
-             ray.direction, kFar);
+  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction),
+             ray.slot, ray.direction, kFar);
   return true;
 }
 
@@ -59,7 +61,8 @@ bool light_departs(Vertex v, bool transmitted, vec3 w, float u, uint slot, inout
   if (!(max_component(path.throughput) > 0.0)) return false;
 
   if (has(kFeatureVolume) && transmitted && !v.bsdf.thin) cross_surface(v, slot);
-  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w, kFar);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w,
+            kFar);
   return true;
 }
 

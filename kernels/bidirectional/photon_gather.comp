@@ -1,5 +1,5 @@
-// Merges camera paths with the photons around: paths that have met nothing but mirrors and smooth glass, where they arrive at
-// something else.
+// Merges camera paths with the photons around: paths that have met nothing but mirrors and smooth glass, where they
+// arrive at something else.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -23,7 +23,8 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Whether the photon is on the same piece of surface as v: within the radius, in a flat disk around it, facing the same way.
+// Whether the photon is on the same piece of surface as v: within the radius, in a flat disk around it, facing the same
+// way.
 bool is_near(Vertex v, Photon photon) {
   const float kFlat = 0.25, kSameWay = 0.8;
   vec3 offset = photon.position - v.surface.position, normal = v.surface.geometric_normal;
@@ -96,7 +97,8 @@ void main() {
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   vec3 throughput = path.throughput;
-  if (has(kFeatureVolume)) throughput *= medium_transmittance(current_body(ray.slot), length(surface.position - ray.origin));
+  if (has(kFeatureVolume))
+    throughput *= medium_transmittance(current_body(ray.slot), length(surface.position - ray.origin));
   path.radiance += throughput * gather(v, slot_sample(ray.slot) % kReplicates);
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);

@@ -1,5 +1,5 @@
-// Puts the photons of a map into the lists of their cells, and thins out those of crowded cells: which ones stay is a function
-// of the photon alone.
+// Puts the photons of a map into the lists of their cells, and thins out those of crowded cells: which ones stay is a
+// function of the photon alone.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
-// Shades the hits of light paths that photons come from. A path leaves a photon where it is scattered by other than a delta lobe,
-// and has come there from one; then it goes on, but only as long as delta lobes and others take turns, and a delta lobe was first:
-// all other light is found without photons.
+// Shades the hits of light paths that photons come from. A path leaves a photon where it is scattered by other than a
+// delta lobe, and has come there from one; then it goes on, but only as long as delta lobes and others take turns, and
+// a delta lobe was first: all other light is found without photons.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -22,10 +22,11 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// A path keeps one photon of all that it leaves, picked in proportion to their light, and as bright as all: so photons are as
-// bright as each other, and lie where the light is. `merge_weights` has the sum so far.
+// A path keeps one photon of all that it leaves, picked in proportion to their light, and as bright as all: so photons
+// are as bright as each other, and lie where the light is. `merge_weights` has the sum so far.
 void keep_photon(uint slot, Photon photon, float u) {
-  uint replicate = wave.first_sample % kReplicates, place = replicate * photon_frame.path_count + wave.first_pixel + slot;
+  uint replicate = wave.first_sample % kReplicates,
+       place = replicate * photon_frame.path_count + wave.first_pixel + slot;
   float share = luminance(photon.light), before = merge_weights[slot], total = before + share;
   merge_weights[slot] = total;
   if (!(share > 0.0)) return;
@@ -43,8 +44,8 @@ void keep_photon(uint slot, Photon photon, float u) {
   atomicAdd(photon_cells[cell_place(cell_of(photon.position), replicate)].x, 1u);
 }
 
-// Probability of going on through a delta lobe rather than ending in a photon. It need not fit the lobes, but does where it can:
-// photons then carry the same light.
+// Probability of going on through a delta lobe rather than ending in a photon. It need not fit the lobes, but does
+// where it can: photons then carry the same light.
 float go_probability(Vertex v, Lobes lobes) {
   if (lobes.facet_probability == 0.0) return 0.0;
   if (!bsdf_has_smooth(v.bsdf)) return 1.0;
@@ -52,7 +53,8 @@ float go_probability(Vertex v, Lobes lobes) {
 }
 
 // Scatters the path by a lobe that is not delta. `u`: what the choice to do so has left of its numbers.
-bool scatter(Vertex v, vec3 local, float u_side, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w, out BsdfSample s) {
+bool scatter(Vertex v, vec3 local, float u_side, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w,
+             out BsdfSample s) {
   if (!vertex_sample(v, u_side, u, s, w) || s.pdf < 0.0) return false;
   Vertex seen = seen_from(v, w);
   float out_cosine = surface_cosine(v, w), forward;
@@ -64,8 +66,8 @@ bool scatter(Vertex v, vec3 local, float u_side, vec2 u, inout PathState path, i
 }
 
 // Sends the path on through a delta lobe. `u`: as above.
-bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_side, vec2 u, inout PathState path, inout PathWeights weights,
-          out vec3 w, out BsdfSample s) {
+bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_side, vec2 u, inout PathState path,
+          inout PathWeights weights, out vec3 w, out BsdfSample s) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false, false);
   bool delta;
   if (!sample_facets(v.bsdf, lobes, local, u_side, u, s, delta) || !delta) return false;

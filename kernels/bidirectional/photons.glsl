@@ -9,8 +9,8 @@ Photon fetch_photon(uint place) {
   int texel = int(3u * place);
   uvec4 position_normal = texelFetch(photon_texels, texel), direction_link = texelFetch(photon_texels, texel + 1);
   vec4 light_others = uintBitsToFloat(texelFetch(photon_texels, texel + 2));
-  return Photon(uintBitsToFloat(position_normal.xyz), position_normal.w, uintBitsToFloat(direction_link.xyz), direction_link.w,
-                light_others.xyz, light_others.w);
+  return Photon(uintBitsToFloat(position_normal.xyz), position_normal.w, uintBitsToFloat(direction_link.xyz),
+                direction_link.w, light_others.xyz, light_others.w);
 }
 void store_photon(uint place, Photon p) {
   photon_words[3u * place] = uvec4(floatBitsToUint(p.position), p.normal);

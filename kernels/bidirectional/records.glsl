@@ -16,8 +16,9 @@ LightVertex fetch_light_vertex(uint place) {
   vec4 light_connect = uintBitsToFloat(texelFetch(light_vertex_texels, texel + 1));
   uvec4 hit = texelFetch(light_vertex_texels, texel + 2);
   uvec4 others_outside = texelFetch(light_vertex_texels, texel + 3);
-  return LightVertex(uintBitsToFloat(direction_bounce.xyz), direction_bounce.w, light_connect.xyz, light_connect.w, hit.x,
-                     hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w), uintBitsToFloat(others_outside.x), others_outside.y, 0u, 0u);
+  return LightVertex(uintBitsToFloat(direction_bounce.xyz), direction_bounce.w, light_connect.xyz, light_connect.w,
+                     hit.x, hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w), uintBitsToFloat(others_outside.x),
+                     others_outside.y, 0u, 0u);
 }
 void store_light_vertex(uint place, LightVertex v) {
   light_vertex_words[4u * place] = uvec4(floatBitsToUint(v.direction), v.bounce);
@@ -41,8 +42,8 @@ Connection fetch_connection(uint index) {
   uvec4 contribution_instance = texelFetch(connection_texels, texel + 2);
   uint pixel = texelFetch(connection_texels, texel + 3).x;
   return Connection(uintBitsToFloat(origin_slot.xyz), origin_slot.w, uintBitsToFloat(direction_triangle.xyz),
-                    direction_triangle.w, uintBitsToFloat(contribution_instance.xyz), contribution_instance.w, pixel, 0u,
-                    0u, 0u);
+                    direction_triangle.w, uintBitsToFloat(contribution_instance.xyz), contribution_instance.w, pixel,
+                    0u, 0u, 0u);
 }
 #endif
 

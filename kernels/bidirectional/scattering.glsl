@@ -1,7 +1,7 @@
 // Scattering seen from both ends of a path. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
 //
-// The value is always that of a camera path, which sees the surface from `wo`; so both ends find the same light where shading
-// normals or refraction make the two directions differ.
+// The value is always that of a camera path, which sees the surface from `wo`; so both ends find the same light where
+// shading normals or refraction make the two directions differ.
 #ifndef WAVEPATH_BIDIRECTIONAL_SCATTERING_GLSL
 #define WAVEPATH_BIDIRECTIONAL_SCATTERING_GLSL
 
@@ -27,7 +27,8 @@ float reverse_pdf(Vertex v, vec3 wi) {
   return pdf;
 }
 
-// f |cos| of light from `wi` that goes to v.wo, and the densities with which camera paths find wi and light paths find wo.
+// f |cos| of light from `wi` that goes to v.wo, and the densities with which camera paths find wi and light paths find
+// wo.
 vec3 scatter_value(Vertex v, vec3 wi, out float forward, out float reverse) {
   forward = reverse = 0.0;
   if (!sides_agree(v, wi)) return vec3(0.0);

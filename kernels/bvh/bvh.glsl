@@ -1,7 +1,7 @@
-// Traversal of the 4-wide BVH, one ray a lane: finds the hits that bvh/traverse.h finds. Boxes: the padded slab test of Ize
-// 2013. Triangles: triangle.glsl. How a lane gets from one test to the next is left to bvh_in_step.glsl or
-// bvh_by_lane.glsl. Include bindings.glsl with BIND_GEOMETRY first; ray_kinds.glsl says what else to define. Kernels that
-// trace include trace.glsl and enable GL_KHR_shader_subgroup_ballot.
+// Traversal of the 4-wide BVH, one ray a lane: finds the hits that bvh/traverse.h finds. Boxes: the padded slab test of
+// Ize 2013. Triangles: triangle.glsl. How a lane gets from one test to the next is left to bvh_in_step.glsl or
+// bvh_by_lane.glsl. Include bindings.glsl with BIND_GEOMETRY first; ray_kinds.glsl says what else to define. Kernels
+// that trace include trace.glsl and enable GL_KHR_shader_subgroup_ballot.
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -38,8 +38,8 @@ uint leaf_end(uint leaf) { return (leaf & kLeafFirstMask) + (leaf >> kLeafCountS
 // ---- boxes ----------------------------------------------------------------------------------------------------------
 ivec4 bytes_of(uint word) { return ivec4(word & 255u, word >> 8u & 255u, word >> 16u & 255u, word >> 24u); }
 
-// Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h. GPUs multiply and
-// add at once, which errs by less; processors of CPU drivers need not be able to.
+// Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h. GPUs
+// multiply and add at once, which errs by less; processors of CPU drivers need not be able to.
 ivec4 crossings(uint planes, float slope, float offset) {
   vec4 cells = vec4(bytes_of(planes));
   return floatBitsToInt(kInStep ? cells * slope + offset : fma(cells, vec4(slope), vec4(offset)));
@@ -68,8 +68,8 @@ void enter_children(TraversalRay ray, float t_best, uint node, out uvec4 grid, o
   entered = lessThanEqual(intBitsToFloat(t_near), intBitsToFloat(t_far) * kSlabPadding);
 }
 
-// Keys of the inner children that the ray enters, nearest first, then kMissedKey. A key holds the number of the child in
-// its low bits, so that equal distances keep their order.
+// Keys of the inner children that the ray enters, nearest first, then kMissedKey. A key holds the number of the child
+// in its low bits, so that equal distances keep their order.
 uvec4 sort_children(ivec4 t_near, bvec4 entered, uint inner_count) {
   uvec4 key = mix(uvec4(kMissedKey), (uvec4(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
   key = mix(key, uvec4(kMissedKey), greaterThanEqual(uvec4(0u, 1u, 2u, 3u), uvec4(inner_count)));
@@ -79,8 +79,8 @@ uvec4 sort_children(ivec4 t_near, bvec4 entered, uint inner_count) {
 }
 
 // ---- triangles ------------------------------------------------------------------------------------------------------
-// What a lane knows on its way, besides its stack. `current`: the next node, an instance (a leaf word), kPopInstance, or
-// kNone.
+// What a lane knows on its way, besides its stack. `current`: the next node, an instance (a leaf word), kPopInstance,
+// or kNone.
 Hit best; // so far
 uvec2 best_ids; // of its instance and triangle
 float t_best;
@@ -90,8 +90,8 @@ bool in_top_level;
 
 // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that
 // for each triangle tested; so there a lane stops at such a candidate until no lane of its subgroup can go on without a
-// look-up. GPUs look up at once: a candidate that waits takes NVIDIA's compiler 148 registers for `extend` in the place of
-// 85 (benchmarks/results/compilers).
+// look-up. GPUs look up at once: a candidate that waits takes NVIDIA's compiler 148 registers for `extend` in the place
+// of 85 (benchmarks/results/compilers).
 #define ALPHA_WAITS kInStep
 Hit pending;
 uvec2 pending_ids;
@@ -117,7 +117,8 @@ bool test_triangle(uint item, float t_max) {
   vec4 v1 = texelFetch(triangles, texel + 1);
   vec4 v2 = texelFetch(triangles, texel + 2);
   uint flags = floatBitsToUint(v0.w), id = floatBitsToUint(v1.w);
-  Candidate candidate = intersect_triangle(local_ray, moved(v0.xyz, texel), moved(v1.xyz, texel + 1), moved(v2.xyz, texel + 2));
+  Candidate candidate =
+      intersect_triangle(local_ray, moved(v0.xyz, texel), moved(v1.xyz, texel + 1), moved(v2.xyz, texel + 2));
   bool accepted = candidate.hit && candidate.t < t_max && is_better(candidate.t, id, flags, candidate.front);
   Hit found = Hit(item, instance, candidate.b1, candidate.b2);
   bool needs_alpha = has(TESTED_FEATURES) && accepted && (flags & TESTED_TRIANGLES) != 0u;

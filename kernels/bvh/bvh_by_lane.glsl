@@ -1,8 +1,8 @@
-// The walk on devices whose lanes branch by themselves and have memory of their own that they reach fast, as GPUs do. The
-// latest entry of the stack is in a register and the others in a local array; leaves wait as groups of items with a mask
-// (Ylitie, Karras and Laine 2017, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, section 4).
-// Ballots here steer only what is done first: lanes that do not run together change the time, not the result. bvh.glsl
-// includes this. What was measured on a GPU: benchmarks/results/NOTES.md.
+// The walk on devices whose lanes branch by themselves and have memory of their own that they reach fast, as GPUs do.
+// The latest entry of the stack is in a register and the others in a local array; leaves wait as groups of items with a
+// mask (Ylitie, Karras and Laine 2017, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, section
+// 4). Ballots here steer only what is done first: lanes that do not run together change the time, not the result.
+// bvh.glsl includes this. What was measured on a GPU: benchmarks/results/NOTES.md.
 #ifndef WAVEPATH_BVH_BY_LANE_GLSL
 #define WAVEPATH_BVH_BY_LANE_GLSL
 
@@ -67,7 +67,8 @@ void visit_by_lane() {
   enter_children(local_ray, t_best, current, grid, zw, t_near, entered);
 
   uint counts = grid.w >> 24u;
-  uint end0 = counts & 3u, end1 = end0 + (counts >> 2u & 3u), end2 = end1 + (counts >> 4u & 3u), end3 = end2 + (counts >> 6u);
+  uint end0 = counts & 3u, end1 = end0 + (counts >> 2u & 3u), end2 = end1 + (counts >> 4u & 3u),
+       end3 = end2 + (counts >> 6u);
   uint before0 = 1u, before1 = 1u << end0, before2 = 1u << end1, before3 = 1u << end2, before4 = 1u << end3;
   uint mask = (entered.x ? before1 - before0 : 0u) | (entered.y ? before2 - before1 : 0u) |
               (entered.z ? before3 - before2 : 0u) | (entered.w ? before4 - before3 : 0u);
@@ -130,12 +131,13 @@ void change_level_by_lane(vec3 origin, vec3 direction) {
 
 bool may_meet_item(uint item) {
   int texel = int(item * kTriangleTexels);
-  return may_meet(local_ray, moved(texelFetch(triangles, texel).xyz, texel), moved(texelFetch(triangles, texel + 1).xyz, texel + 1),
+  return may_meet(local_ray, moved(texelFetch(triangles, texel).xyz, texel),
+                  moved(texelFetch(triangles, texel + 1).xyz, texel + 1),
                   moved(texelFetch(triangles, texel + 2).xyz, texel + 2));
 }
 
-// Most triangles are missed, and finding the place of a hit takes longer than finding that there is none: so the places are
-// found in a loop of their own, which takes few rounds.
+// Most triangles are missed, and finding the place of a hit takes longer than finding that there is none: so the places
+// are found in a loop of their own, which takes few rounds.
 void drop_missed() {
   uint rest = items.y, later = later_items.y;
   while ((rest | later) != 0u) {
@@ -167,8 +169,8 @@ bool is_over_by_lane() {
   return current == kNone && items.y == 0u;
 }
 
-// Down to leaves until each lane has two groups of them, and through these. When few lanes go on visiting, the others do not
-// wait for them.
+// Down to leaves until each lane has two groups of them, and through these. When few lanes go on visiting, the others
+// do not wait for them.
 void walk_by_lane(vec3 origin, vec3 direction, float t_max) {
   for (;;) {
     bool visiting = can_visit_by_lane();

@@ -1,7 +1,7 @@
 // The walk on devices that run all lanes of a subgroup in step, as CPU drivers do: the algorithm and order of
-// bvh/traverse.h. Such a driver writes a local array lane by lane, which takes longer than the rest of a visit, and runs both
-// sides of every branch. So the top of the stack is in registers, moved by selects, and the array takes what overflows (on
-// Sponza, less than one ray in a thousand). bvh.glsl includes this.
+// bvh/traverse.h. Such a driver writes a local array lane by lane, which takes longer than the rest of a visit, and
+// runs both sides of every branch. So the top of the stack is in registers, moved by selects, and the array takes what
+// overflows (on Sponza, less than one ray in a thousand). bvh.glsl includes this.
 #ifndef WAVEPATH_BVH_IN_STEP_GLSL
 #define WAVEPATH_BVH_IN_STEP_GLSL
 
@@ -120,7 +120,8 @@ void test_leaves(float t_max) {
   while (testing) {
     bool needs_alpha = test_triangle(item, t_max);
     ++item;
-    if (has(TESTED_FEATURES)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
+    // The rest of the leaf waits.
+    if (has(TESTED_FEATURES)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x;
     if (item == end) {
       take_leaf();
       item = leaf_first(leaves.x);
@@ -175,8 +176,8 @@ void look_up_alpha() {
 
 bool can_visit() { return int(current) >= 0 && leaves.y == kNone && !stack_is_full(); }
 
-// Down to leaves. A driver that runs all lanes in step executes the body of a loop once more for lanes that are all done,
-// unless the loop is tested at its end.
+// Down to leaves. A driver that runs all lanes in step executes the body of a loop once more for lanes that are all
+// done, unless the loop is tested at its end.
 void visit_nodes() {
   bool visiting = can_visit();
   do {

@@ -8,7 +8,8 @@ vec3 transform_point(uint first_texel, vec3 p) {
               dot(texelFetch(instances, int(first_texel + 2u)), q));
 }
 vec3 transform_vector(uint first_texel, vec3 v) {
-  return vec3(dot(texelFetch(instances, int(first_texel)).xyz, v), dot(texelFetch(instances, int(first_texel + 1u)).xyz, v),
+  return vec3(dot(texelFetch(instances, int(first_texel)).xyz, v),
+              dot(texelFetch(instances, int(first_texel + 1u)).xyz, v),
               dot(texelFetch(instances, int(first_texel + 2u)).xyz, v));
 }
 

@@ -1,6 +1,6 @@
-// What kernels say of the rays that they trace, by macros in front of trace.glsl: ALPHA_TEST(hit), where alpha is tested, as
-// "this point is a hole"; CAMERA_RAYS, "the rays are the camera's", which pass single-sided triangles from behind; SEES_BACKS for
-// rays that never do; ANY_HIT where it is enough to know that there is a hit.
+// What kernels say of the rays that they trace, by macros in front of trace.glsl: ALPHA_TEST(hit), where alpha is
+// tested, as "this point is a hole"; CAMERA_RAYS, "the rays are the camera's", which pass single-sided triangles from
+// behind; SEES_BACKS for rays that never do; ANY_HIT where it is enough to know that there is a hit.
 #ifndef WAVEPATH_RAY_KINDS_GLSL
 #define WAVEPATH_RAY_KINDS_GLSL
 
@@ -28,7 +28,8 @@
 const float kMaxCoordinate = 1e18; // beyond it, squares overflow
 
 bool is_traceable(vec3 origin, vec3 direction) { // false for NaN
-  return all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) && all(lessThanEqual(abs(direction), vec3(kMaxCoordinate)));
+  return all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
+         all(lessThanEqual(abs(direction), vec3(kMaxCoordinate)));
 }
 
 bool has_levels() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
@@ -53,7 +54,8 @@ void begin_kind() {
 
 // The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not the triangle `target`, at whose
 // surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance,
-// triangle) by id wins, so that the result depends neither on the order of visits nor on the tree; ray queries let any win.
+// triangle) by id wins, so that the result depends neither on the order of visits nor on the tree; ray queries let any
+// win.
 #ifdef ANY_HIT
 Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
   begin_kind(target, target_instance);

@@ -1,9 +1,10 @@
 // Rays traced by the device's ray queries (VK_KHR_ray_query), through structures that its driver has built of the same
-// triangles (host/gpu/acceleration.h). The driver finds triangles; whether and where a ray meets one is decided by triangle.glsl,
-// as in our own traversal, so that rays leave surfaces without meeting them again, and hits lie where shading expects them.
+// triangles (host/gpu/acceleration.h). The driver finds triangles; whether and where a ray meets one is decided by
+// triangle.glsl, as in our own traversal, so that rays leave surfaces without meeting them again, and hits lie where
+// shading expects them.
 //
-// Opaque triangles commit without asking. If triangle.glsl then says that the committed one is not met, the ray is traced again
-// and every triangle asked for; so are rays that have to skip triangles.
+// Opaque triangles commit without asking. If triangle.glsl then says that the committed one is not met, the ray is
+// traced again and every triangle asked for; so are rays that have to skip triangles.
 #ifndef WAVEPATH_RAY_QUERY_GLSL
 #define WAVEPATH_RAY_QUERY_GLSL
 
@@ -58,8 +59,8 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
     restart_shadow();
 #endif
     rayQueryEXT query;
-    rayQueryInitializeEXT(query, accelerationStructureEXT(frame.top_level), kind | (asks ? gl_RayFlagsNoOpaqueEXT : 0u), 0xffu,
-                          origin, 0.0, direction, t_max);
+    rayQueryInitializeEXT(query, accelerationStructureEXT(frame.top_level), kind | (asks ? gl_RayFlagsNoOpaqueEXT : 0u),
+                          0xffu, origin, 0.0, direction, t_max);
     while (rayQueryProceedEXT(query)) {
       Hit hit;
       if (meets(origin, direction, t_max, uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),

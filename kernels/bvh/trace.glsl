@@ -1,5 +1,5 @@
-// trace() as ray_kinds.glsl declares it: by our own traversal, or, in builds with RAY_QUERY, by the device's ray queries.
-// Include bindings.glsl with BIND_GEOMETRY first.
+// trace() as ray_kinds.glsl declares it: by our own traversal, or, in builds with RAY_QUERY, by the device's ray
+// queries. Include bindings.glsl with BIND_GEOMETRY first.
 #ifndef WAVEPATH_TRACE_GLSL
 #define WAVEPATH_TRACE_GLSL
 

@@ -1,4 +1,12 @@
-// A ray against one triangle: the watertight test of Woop, Benthin and Wald 2013, with the arithmetic of bvh/intersect.h.
+// A ray against one triangle: the watertight test of Woop, Benthin and Wald 2013, with the arithmetic of
+// bvh/intersect.h.
+//
+//             v2            Corners a, b, c: v0, v1, v2, sheared so that the ray runs along the z axis.
+//            /  \           Edge functions u, v, w: twice the signed area of the triangle that an edge makes with the
+//         v /    \ u        ray; u is that of the edge v1 v2, v of v2 v0, w of v0 v1. All have one sign if it is a hit.
+//          /  .   \         Weights: hit = b0 v0 + b1 v1 + b2 v2 with (b0, b1, b2) = (u, v, w) / (u + v + w); locate()
+//         /________\        finds them in a way that errs less. Hit::b1 and Hit::b2 are those of v1 and v2.
+//       v0     w    v1      Front: v0, v1, v2 run counter-clockwise as seen from the ray's origin.
 #ifndef WAVEPATH_TRIANGLE_GLSL
 #define WAVEPATH_TRIANGLE_GLSL
 
@@ -71,12 +79,14 @@ Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
   if (min(apex.z, min(b.z, c.z)) > 0.0) return place;
   const float kEpsilon = 5.9604645e-8;
-  float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)), extent_c = max(abs(c.x), abs(c.y));
+  float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)),
+        extent_c = max(abs(c.x), abs(c.y));
   float weight_b = place.b, weight_c = (1.0 - weight) * share_c;
   float depths = weight * abs(apex.z) + weight_b * abs(b.z) + weight_c * abs(c.z);
   float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths / abs(ray.shear.z);
   float longest = extent_a + max(extent_b, extent_c);
-  float apex_error = max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
+  float apex_error =
+      max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
   float share_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
   place.t_error =
       kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(share_error, 16777216.0) * abs(b.z - c.z));
@@ -117,7 +127,13 @@ Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
   Place place = locate(ray, apex_a ? a : apex_b ? b : c, apex_a ? b : apex_b ? c : a, apex_a ? c : apex_b ? a : b,
                        apex_a ? v : apex_b ? w : u, apex_a ? w : apex_b ? u : v);
   float rest = 1.0 - place.apex - place.b;
-  return Candidate(place.t, apex_a ? place.b : apex_b ? place.apex : rest, apex_a ? rest : apex_b ? place.b : place.apex,
+  return Candidate(place.t,
+                   apex_a   ? place.b
+                   : apex_b ? place.apex
+                            : rest,
+                   apex_a   ? rest
+                   : apex_b ? place.b
+                            : place.apex,
                    inside && abs(determinant) >= kSmallestNormal && place.t > place.t_error,
                    (determinant > 0.0) == (ray.shear.z > 0.0));
 }

@@ -1,5 +1,5 @@
-// Develops the film for a window: mean of the exact sums or another quantity, exposure, tone curve, sRGB, packed bytes. One
-// lane a pixel of the screen; pixels without a sample stay as they are.
+// Develops the film for a window: mean of the exact sums or another quantity, exposure, tone curve, sRGB, packed bytes.
+// One lane a pixel of the screen; pixels without a sample stay as they are.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,8 +20,8 @@ layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { ui
 
 float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
 
-// Of an ExactSum whose highest digit is `top`, see film_types.h; in two steps, since 2^(32 top - 181) alone may be below any
-// float.
+// Of an ExactSum whose highest digit is `top`, see film_types.h; in two steps, since 2^(32 top - 181) alone may be
+// below any float.
 float value_of(uvec4 sum, uint top) {
   float high = float(int(sum.y)) * 4294967296.0 + float(sum.x), low = float(int(sum.w)) * 4294967296.0 + float(sum.z);
   int exponent = int(32u * top) - 181, half_of_it = exponent / 2;
@@ -32,7 +32,8 @@ float value_of(uvec4 sum, uint top) {
 vec3 fetch_splats(uint index) {
   vec3 sum = vec3(0.0);
   for (uint word = 0u; word < 12u; ++word)
-    sum[word / 4u] += float(splat_words[index * kSplatWords + word]) * power_of_two(int(32u * (word % 4u)) - int(kSplatFraction));
+    sum[word / 4u] +=
+        float(splat_words[index * kSplatWords + word]) * power_of_two(int(32u * (word % 4u)) - int(kSplatFraction));
   return sum / (float(job.film_width) * float(job.film_height));
 }
 
@@ -71,7 +72,8 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
   if (job.shown == kShowVariance || job.shown == kShowError) {
     if (a.w == 0.0 || b.w == 0.0) return vec3(0.0);
     vec3 difference = a.rgb / a.w - b.rgb / b.w;
-    vec3 variance = difference * difference * (a.w * b.w / ((a.w + b.w) * sum.w)); // as statistics() of host/film has it
+    // As statistics() of host/film has it.
+    vec3 variance = difference * difference * (a.w * b.w / ((a.w + b.w) * sum.w));
     if (job.shown == kShowVariance) return to_srgb(tonemap(job.tonemap, variance * job.gain));
     vec3 relative = variance / (mean * mean + 0.01); // as relMSE weighs it
     return map_color(sqrt((relative.r + relative.g + relative.b) / 3.0) / job.range);

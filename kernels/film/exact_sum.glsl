@@ -24,7 +24,8 @@ void add_exactly(inout ExactSum sum, inout uint top, float value) {
   uint lowest = max(exponent, 1u) - 1u; // weight of the mantissa's last bit: 2^(lowest - 149)
   uint shift = lowest & 31u, digit = lowest >> 5u;
   uint first = mantissa << shift;                                  // digit `digit`
-  uint second = shift > 8u ? mantissa >> (32u - shift) : 0u;       // and the next; 24 bits fit into one up to a shift of 8
+  uint second = shift > 8u ? mantissa >> (32u - shift) : 0u;       // and the next; 24 bits fit into one up to a shift
+                                                                   // of 8
   uint reached = second != 0u ? digit + 1u : digit;
   if (reached > top) {
     sum.low = reached == top + 1u ? sum.high : uint[2](0u, 0u);

@@ -14,12 +14,13 @@ void add_sample(inout FilmPixel pixel, vec3 radiance) {
   add_exactly(pixel.green, tops.g, radiance.g);
   add_exactly(pixel.blue, tops.b, radiance.b);
   pixel.tops = tops.r | tops.g << 8u | tops.b << 16u;
-  pixel.largest = max(pixel.largest, min(radiance.r + radiance.g + radiance.b, kFar)); // finite, though the sum may not be
+  // The largest stays finite, though the sum may not be.
+  pixel.largest = max(pixel.largest, min(radiance.r + radiance.g + radiance.b, kFar));
   pixel.count += 1u;
 }
 
-// Running means: fields are averages over the samples so far, those of surfaces over the samples that hit one; which surface
-// it is has no mean, so that the first one stays.
+// Running means: fields are averages over the samples so far, those of surfaces over the samples that hit one; which
+// surface it is has no mean, so that the first one stays.
 void accumulate_aovs(uint film_index, PathAovs path) {
   FilmAovs mean = film_aovs[film_index];
   mean.count += 1.0;

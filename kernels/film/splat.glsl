@@ -6,8 +6,8 @@
 
 const float kLargestSplat = 1.8446744e19; // 2^64: 2^63 of them and more fit into a sum
 
-// `first`: the lowest word of the sum. `value` is not negative and below kLargestSplat. Each lane passes on the carry that its
-// own addition made, so that the sum is exact whatever the order.
+// `first`: the lowest word of the sum. `value` is not negative and below kLargestSplat. Each lane passes on the carry
+// that its own addition made, so that the sum is exact whatever the order.
 void add_splat(uint first, float value) {
   uint bits = floatBitsToUint(value);
   int shift = int(bits >> 23u) - 150 + int(kSplatFraction); // of the mantissa's last bit
@@ -28,7 +28,8 @@ void add_splat(uint first, float value) {
 void splat(uint pixel, vec3 light) {
   uint first = pixel * kSplatWords;
   for (uint c = 0u; c < 3u; ++c) add_splat(first + 4u * c, light[c]);
-  atomicMax(splat_words[first + 12u], floatBitsToUint(light.r + light.g + light.b)); // ordered as their bits: not negative
+  // Floats that are not negative are ordered as their bits are.
+  atomicMax(splat_words[first + 12u], floatBitsToUint(light.r + light.g + light.b));
 }
 
 #endif

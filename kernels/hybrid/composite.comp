@@ -69,7 +69,8 @@ void main() {
   if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
   if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[place].rgb + layers[place].a * radiance;
   uint film_index = wave.first_pixel + local - wave.first_film_pixel;
-  if (has(kFeatureAovs) && (hybrid.flags & kHybridFromColor) == 0u && is_finite(radiance)) { // `seen` holds emission until then
+  // `seen` holds the emission until then.
+  if (has(kFeatureAovs) && (hybrid.flags & kHybridFromColor) == 0u && is_finite(radiance)) {
     sample_.albedo = g.albedo;
     sample_.normal = g.normal;
     sample_.depth = g.depth;

@@ -1,5 +1,5 @@
-// Places of a pixel that share shading (kHybridMultisample): frames see one each, and the first that sees a triangle shades it
-// for all. Include bindings.glsl with BIND_HYBRID, BIND_VISIBILITY and BIND_PLACES first.
+// Places of a pixel that share shading (kHybridMultisample): frames see one each, and the first that sees a triangle
+// shades it for all. Include bindings.glsl with BIND_HYBRID, BIND_VISIBILITY and BIND_PLACES first.
 #ifndef WAVEPATH_COVERED_PLACES_GLSL
 #define WAVEPATH_COVERED_PLACES_GLSL
 

@@ -1,7 +1,7 @@
 // What the denoiser's kernels share: their data, and which pixels are of one surface.
 //
-// A pixel's `shape` is packed into three words: normal, disparity, surface. Disparity is 1 / depth for perspective cameras
-// and depth for orthographic ones, because that is linear across the picture of a plane. 0 = nothing is seen.
+// A pixel's `shape` is packed into three words: normal, disparity, surface. Disparity is 1 / depth for perspective
+// cameras and depth for orthographic ones, because that is linear across the picture of a plane. 0 = nothing is seen.
 // The fourth word: frames in the histories of direct light and unoccluded share, 16 bits each ("past"), or the standard
 // errors of both ("guide"), the upper halves of floats with the sign bit saying that there is no value.
 #ifndef WAVEPATH_DENOISE_GLSL
@@ -23,7 +23,7 @@ const float kLargestSignal = 1e18;
 bool usable(float x) { return is_finite(x) && abs(x) <= kLargestSignal; }
 bool usable(vec3 color) { return usable(color.x) && usable(color.y) && usable(color.z); }
 
-// ---- shape ----------------------------------------------------------------------------------------------------------------
+// ---- shape ----------------------------------------------------------------------------------------------------------
 
 // Octahedral (Meyer et al. 2010), 16 bits each.
 uint pack_normal(vec3 n) {
@@ -68,9 +68,9 @@ float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
 // curved surface does, and slopes are estimates.
 const float kDisparitySlack = 2e-3;
 
-// How well a tap `offset` pixels away continues the surface at the centre: SVGF's weights of depth (but from the tangent
-// plane rather than from the centre) and normal, with its powers. It counts weight * exp(-distance). Surfaces and the sky
-// never mix.
+// How well a tap `offset` pixels away continues the surface at the centre: SVGF's weights of depth (but from the
+// tangent plane rather than from the centre) and normal, with its powers. It counts weight * exp(-distance). Surfaces
+// and the sky never mix.
 struct Likeness {
   float weight;
   float distance;
@@ -85,7 +85,7 @@ Likeness compare_shapes(uvec4 here, vec3 normal, vec2 slope, uvec4 there, vec2 o
   return Likeness(same ? facing : 0.0, same ? off / (abs(rise) + kDisparitySlack * disparity(here)) : 0.0);
 }
 
-// ---- standard errors ------------------------------------------------------------------------------------------------------
+// ---- standard errors ------------------------------------------------------------------------------------------------
 
 const uint kNoValue = 0x8000u;
 

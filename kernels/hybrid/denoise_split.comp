@@ -1,6 +1,6 @@
 // Rare bright samples are split from the direct light before it is filtered: what exceeds a bound that the neighbours
-// give. SVGF's luminance weights would keep such a sample to its pixel, and its light from the neighbours that it stands
-// for; denoise_spread.comp hands the excess out over the surface instead, and denoise_return.comp adds it back.
+// give. SVGF's luminance weights would keep such a sample to its pixel, and its light from the neighbours that it
+// stands for; denoise_spread.comp hands the excess out over the surface instead, and denoise_return.comp adds it back.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

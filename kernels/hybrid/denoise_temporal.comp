@@ -74,7 +74,8 @@ void main() {
   if (!in_picture(pixel)) return;
   int index = pixel_index(pixel);
   uvec4 here = shape_of(index);
-  vec2 slope = seen(here) ? vec2(slope_along(pixel, ivec2(1, 0), here), slope_along(pixel, ivec2(0, 1), here)) : vec2(0.0);
+  vec2 slope =
+      seen(here) ? vec2(slope_along(pixel, ivec2(1, 0), here), slope_along(pixel, ivec2(0, 1), here)) : vec2(0.0);
   Past past = find_past(pixel, here, slope);
 
   vec4 signal = texelFetch(color_in, index);

@@ -1,6 +1,6 @@
-// SVGF: the variance of each pixel's mean over frames. While there are too few frames, its neighbours give the
-// estimate, and it counts for more than it says: neighbours of a rare bright sample hold none themselves and have next to
-// no variance, so that they would refuse its light, which is theirs as well (Schied et al. 2017: times 4 / frames).
+// SVGF: the variance of each pixel's mean over frames. While there are too few frames, the neighbours of a pixel give
+// the estimate, scaled by 4 / frames (Schied et al. 2017): neighbours of a firefly have almost no variance, and would
+// reject its light, part of which belongs to them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

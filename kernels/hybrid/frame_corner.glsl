@@ -1,5 +1,5 @@
-// Where a triangle's corner lies in the clip space of a hybrid frame, and which sides of the triangle are not there. Include
-// bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
+// Where a triangle's corner lies in the clip space of a hybrid frame, and which sides of the triangle are not there.
+// Include bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
 #ifndef WAVEPATH_FRAME_CORNER_GLSL
 #define WAVEPATH_FRAME_CORNER_GLSL
 

@@ -28,6 +28,7 @@ void main() {
   }
   uvec2 pixel = slot_pixel(local);
   uint place = pixel.y * frame.width + pixel.x;
-  vec3 mean = count > 0u ? sum / float(count) : uintBitsToFloat(uvec3(0x7fc00000u)); // nothing is known: left out of the film
+  // A place that nothing is known of is NaN, which the film leaves out.
+  vec3 mean = count > 0u ? sum / float(count) : uintBitsToFloat(uvec3(0x7fc00000u));
   signals[place].xyz = mean / demodulation(gbuffer[place].albedo);
 }

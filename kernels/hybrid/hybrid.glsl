@@ -1,5 +1,5 @@
-// What all kernels of a hybrid frame share: the camera ray of a pixel and its random numbers. Include bindings.glsl with
-// BIND_HYBRID first.
+// What all kernels of a hybrid frame share: the camera ray of a pixel and its random numbers. Include bindings.glsl
+// with BIND_HYBRID first.
 #ifndef WAVEPATH_HYBRID_GLSL
 #define WAVEPATH_HYBRID_GLSL
 

@@ -25,7 +25,7 @@ GPU_CONSTANT uint kBindPlaceIds = 82u;     // storage uvec2[]
 GPU_CONSTANT uint kBindPlaceSeen = 83u;    // storage vec4[]
 GPU_CONSTANT uint kBindPlaceSignals = 84u; // storage vec4[]
 
-// ---- hybrid rendering -----------------------------------------------------------------------------------------------------
+// ---- hybrid rendering -----------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
 // rasterized.
 struct HybridFrame {

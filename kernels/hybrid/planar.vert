@@ -1,8 +1,8 @@
 // Flattens the corners of every triangle onto a plane, away from a light, and places them in the picture of a hybrid
 // frame (Blinn 1988).
 //
-// The flattened point is homogeneous, and its w is negative where the corner is beyond the light: clipping takes away that
-// part of a triangle, which would else be an antishadow.
+// The flattened point is homogeneous, and its w is negative where the corner is beyond the light: clipping takes away
+// that part of a triangle, which would else be an antishadow.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -31,7 +31,8 @@ void main() {
   }
   // As kernels/hybrid/visibility.vert, of the point q / w, relative to the eye.
   float w = pair.height - height * pair.is_point;
-  vec3 q = pair.height * (position - frame.camera_position) - height * (pair.light - pair.is_point * frame.camera_position);
+  vec3 q =
+      pair.height * (position - frame.camera_position) - height * (pair.light - pair.is_point * frame.camera_position);
   vec2 place = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
                     dot(q, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
   float depth = dot(q, frame.camera_forward);

@@ -42,7 +42,8 @@ GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out fl
   Material material = fetch_material(surface.material);
   open_cone(hit, surface.position - origin);
   bool front = dot(surface.geometric_normal, direction) <= 0.0;
-  uint placed = is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
+  uint placed =
+      is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
   GbufferPixel pixel;
   pixel.normal = shading_normal(surface, material, front, -direction);
   pixel.depth = dot(surface.position - origin, frame.camera_forward);

@@ -1,13 +1,13 @@
-// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as --transparency
-// says. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
+// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as
+// --transparency says. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
 #ifndef WAVEPATH_SEEN_THROUGH_GLSL
 #define WAVEPATH_SEEN_THROUGH_GLSL
 
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/surface/surface.glsl"
 
-// Bayer's matrix of 8x8 (1973): its place in the order in which pixels open, as a share. A place is made of two bits of x and
-// y at a time, the coarsest last.
+// Bayer's matrix of 8x8 (1973): its place in the order in which pixels open, as a share. A place is made of two bits of
+// x and y at a time, the coarsest last.
 float screen_door(uvec2 pixel) {
   uint order = 0u;
   for (uint bit = 0u; bit < 3u; ++bit) {

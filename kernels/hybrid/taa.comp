@@ -99,7 +99,8 @@ void main() {
   vec3 deviation = sqrt(max(squares / max(count, 1.0) - mean * mean, 0.0));
 
   vec2 place = vec2(pixel) + motion(pixel);
-  bool past = frames.remembers != 0u && all(greaterThan(place, vec2(-0.5))) && all(lessThan(place, vec2(picture_size()) - 0.5));
+  bool past =
+      frames.remembers != 0u && all(greaterThan(place, vec2(-0.5))) && all(lessThan(place, vec2(picture_size()) - 0.5));
   vec4 history = past ? history_at(place) : vec4(0.0);
   if (count > 0.0) history.xyz = clip(history.xyz, mean, deviation);
 

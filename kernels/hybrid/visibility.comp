@@ -1,4 +1,5 @@
-// The visibility buffer of a hybrid frame by tracing its camera rays, where edges are finer than rasterization can place them.
+// The visibility buffer of a hybrid frame by tracing its camera rays, where edges are finer than rasterization can
+// place them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

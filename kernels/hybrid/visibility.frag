@@ -1,5 +1,5 @@
-// Writes what a pixel of a hybrid frame sees: the place of the triangle and its instance. Where a surface can be passed through,
-// it decides as a traced camera ray of the same pixel and sample does, or as
+// Writes what a pixel of a hybrid frame sees: the place of the triangle and its instance. Where a surface can be passed
+// through, it decides as a traced camera ray of the same pixel and sample does, or as
 // --transparency says.
 #version 460
 #extension GL_GOOGLE_include_directive : require

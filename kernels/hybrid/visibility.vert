@@ -1,5 +1,5 @@
-// Places the corners of every triangle in the picture of a hybrid frame. They are read from where traversal reads them; there
-// are no vertex buffers.
+// Places the corners of every triangle in the picture of a hybrid frame. They are read from where traversal reads them;
+// there are no vertex buffers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -23,7 +23,8 @@ void main() {
   bool at_infinity = far;
   if (edge == kVolumeCap) {
     if (reversed) corner = 2u - corner;
-  } else { // of the edge from `first` to `second` the triangle second, first, first at infinity, or the rest of the side
+  } else { // of the edge from `first` to `second` the triangle second, first, first at infinity, or the rest of the
+           // side
     uint first = reversed ? (edge + 1u) % 3u : edge, second = reversed ? edge : (edge + 1u) % 3u;
     at_infinity = corner == 2u || (far && corner == 1u);
     corner = corner == 0u || (far && corner == 2u) ? second : first;

@@ -37,7 +37,8 @@ float light_pdf_area(Surface surface, Hit hit) {
   if (index == kNone) return 0.0;
   float mean = uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
   if (!has(kFeatureEmissionTextures)) return mean;
-  return mean * light_triangle_density(texelFetch(light_texels, int(index * kLightTexels + 4u)).z, vec2(hit.b1, hit.b2));
+  return mean *
+         light_triangle_density(texelFetch(light_texels, int(index * kLightTexels + 4u)).z, vec2(hit.b1, hit.b2));
 }
 
 // Radiance leaving the surface on the side that the viewer sees.
@@ -54,7 +55,8 @@ vec3 environment_emission(vec3 direction, out float pdf) {
   pdf = 0.0;
   if (!has(kFeatureEnvironment)) return vec3(0.0);
   if (has_environment_map()) {
-    vec3 radiance = environment_map_radiance(environment_place(environment_from_world(direction, frame.environment_rotation)), pdf);
+    vec3 radiance =
+        environment_map_radiance(environment_place(environment_from_world(direction, frame.environment_rotation)), pdf);
     pdf *= frame.environment_probability;
     return frame.environment_radiance * radiance;
   }
@@ -141,7 +143,8 @@ LightSample sample_light(vec3 from, uvec2 u) {
 }
 
 #ifdef BIND_LIGHT_TREE
-// By the best selection that there is for the receiver. `ratio`: how many times more probable the light is than by power.
+// By the best selection that there is for the receiver. `ratio`: how many times more probable the light is than by
+// power.
 LightSample sample_light(Receiver receiver, uvec2 u, out float ratio) {
   uint index = pick_light_for(receiver, u, ratio);
   if (index == kNone) return no_light();

@@ -1,7 +1,8 @@
-// Parts of an environment map or of a sky of one colour, chosen in shares that were learned near a receiver: indoors most
-// of either is hidden, and a surface sees half of it at most. A direction is drawn by two numbers (sample_environment_map,
-// sky_direction); a part is a square of these, so that all parts have the same probability without it and a net of numbers
-// stays a net in every part. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
+// Parts of an environment map or of a sky of one colour, chosen in shares that were learned near a receiver: indoors
+// most of either is hidden, and a surface sees half of it at most. A direction is drawn by two numbers
+// (sample_environment_map, sky_direction); a part is a square of these, so that all parts have the same probability
+// without it and a net of numbers stays a net in every part. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE
+// and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_LEARNED_SKY_GLSL
 #define WAVEPATH_LEARNED_SKY_GLSL
 
@@ -57,7 +58,8 @@ uvec2 sky_part(vec3 direction) {
   first_column = frame.environment_height + texel.y * frame.environment_width;
   uvec2 begin = uvec2(texel.x > 0u ? column_end(texel.x - 1u) : 0u, texel.y > 0u ? row_end(texel.y - 1u) : 0u);
   uvec2 end = uvec2(column_end(texel.x), row_end(texel.y));
-  float across = place.position.x - float(texel.x), down = environment_row_fraction(d, texel.y, frame.environment_height);
+  float across = place.position.x - float(texel.x),
+        down = environment_row_fraction(d, texel.y, frame.environment_height);
   vec2 fraction = clamp(vec2(across, down), 0.0, 1.0);
   uvec2 width = max(end - begin, uvec2(1u));
   uvec2 inside = min(uvec2(min(fraction * vec2(width), vec2(4294967040.0))), width - 1u);

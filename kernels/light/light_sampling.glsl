@@ -21,10 +21,11 @@ float solid_angle_pdf(float pdf_area, vec3 to_light, vec3 n) {
   return cosine > 0.0 ? pdf_area * d2 / cosine : 0.0;
 }
 
-// A triangle whose emission texture varies is cut into parts, each picked by an interval of its own. The middles of its edges
-// cut it into quarters, those cut each of them, and so on, down to 4^depth cells. The number of a cell has two bits for every
-// cut, the first one on top: 0 to 2 for the quarter at that corner, 3 for the one in the middle, which is turned by half a
-// turn about the middle of the whole. A part is 1, 4, 16, ... cells in a row, from where the part before ends to its own end.
+// A triangle whose emission texture varies is cut into parts, each picked by an interval of its own. The middles of its
+// edges cut it into quarters, those cut each of them, and so on, down to 4^depth cells. The number of a cell has two
+// bits for every cut, the first one on top: 0 to 2 for the quarter at that corner, 3 for the one in the middle, which
+// is turned by half a turn about the middle of the whole. A part is 1, 4, 16, ... cells in a row, from where the part
+// before ends to its own end.
 
 // Number of the cell that has the point with these barycentric weights.
 uint cell_at(uint depth, vec2 weights) {
@@ -50,7 +51,8 @@ vec2 weights_in_part(uint depth, uint cell, uint cells, vec2 weights) {
 
 // ---- punctual lights --------------------------------------------------------------------------------------------
 
-// What KHR_lights_punctual has for lights with a `range`, at the square of a distance: 1 near the light, 0 from the range on.
+// What KHR_lights_punctual has for lights with a `range`, at the square of a distance: 1 near the light, 0 from the
+// range on.
 float range_window(float inverse_range, float distance_squared) {
   float share = distance_squared * (inverse_range * inverse_range);
   return clamp(1.0 - share * share, 0.0, 1.0);
@@ -103,9 +105,9 @@ float environment_texel_solid_angle(uint row, uint width, uint height) {
   return 4.0 * kPi / float(width) * cos_sin_turns((float(row) + 0.5) / (2.0 * h)).y * cos_sin_turns(0.25 / h).y;
 }
 
-// Direction in texel (column, row), uniform in solid angle over it, and its position in the map in texels, which lies in
-// that texel or on its border whatever is rounded. Heights are measured from the nearer pole as sin^2 of half the polar angle,
-// which is proportional to solid angle and keeps its precision there.
+// Direction in texel (column, row), uniform in solid angle over it, and its position in the map in texels, which lies
+// in that texel or on its border whatever is rounded. Heights are measured from the nearer pole as sin^2 of half the
+// polar angle, which is proportional to solid angle and keeps its precision there.
 vec3 environment_texel_direction(uint column, uint row, uint width, uint height, vec2 u, out vec2 position) {
   bool south = 2u * row >= height;
   float k = float(south ? height - 1u - row : row);
@@ -201,8 +203,8 @@ EnvironmentPlace environment_place(vec3 d) { // of a direction in the map's basi
   return EnvironmentPlace(position, min(uvec2(position), size - 1u));
 }
 
-// Radiance there, interpolated between texel centres (u wraps, v ends at the poles), and the density per solid angle with
-// which sample_environment_map finds a direction in the texel: one of the four between which is interpolated.
+// Radiance there, interpolated between texel centres (u wraps, v ends at the poles), and the density per solid angle
+// with which sample_environment_map finds a direction in the texel: one of the four between which is interpolated.
 vec3 environment_map_radiance(EnvironmentPlace place, out float pdf) {
   ivec2 size = ivec2(frame.environment_width, frame.environment_height), texel = ivec2(place.texel);
   vec2 position = place.position - 0.5;
@@ -210,8 +212,10 @@ vec3 environment_map_radiance(EnvironmentPlace place, out float pdf) {
   int left = int(first.x) < 0 ? size.x - 1 : int(first.x);
   int right = left + 1 == size.x ? 0 : left + 1;
   int upper = max(int(first.y), 0), lower = min(int(first.y) + 1, size.y - 1);
-  vec4 upper_left = texelFetch(environment, upper * size.x + left), upper_right = texelFetch(environment, upper * size.x + right);
-  vec4 lower_left = texelFetch(environment, lower * size.x + left), lower_right = texelFetch(environment, lower * size.x + right);
+  vec4 upper_left = texelFetch(environment, upper * size.x + left),
+       upper_right = texelFetch(environment, upper * size.x + right);
+  vec4 lower_left = texelFetch(environment, lower * size.x + left),
+       lower_right = texelFetch(environment, lower * size.x + right);
   vec2 column = texel.x == left ? vec2(upper_left.w, lower_left.w) : vec2(upper_right.w, lower_right.w);
   float probability = texel.y == upper ? column.x : column.y;
   pdf = probability / environment_texel_solid_angle(place.texel.y, frame.environment_width, frame.environment_height);

@@ -1,5 +1,5 @@
-// Which light next-event estimation goes to from a receiver: by power, by the light tree, or by shares that were learned
-// near it. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
+// Which light next-event estimation goes to from a receiver: by power, by the light tree, or by shares that were
+// learned near it. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
 #ifndef WAVEPATH_LIGHT_SELECTION_GLSL
 #define WAVEPATH_LIGHT_SELECTION_GLSL
 
@@ -30,12 +30,13 @@ Receiver unpack_receiver(uvec4 words) {
 
 // ---- learned shares ---------------------------------------------------------------------------------------------
 
-// Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that they
-// look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above 0 cells are
-// 4^level times as wide: from these a pilot learns where it saw little.
+// Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that
+// they look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above
+// 0 cells are 4^level times as wide: from these a pilot learns where it saw little.
 uint light_row(Receiver receiver, int level) {
   vec3 place = receiver.position - frame.camera_position;
-  uint exponent = clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
+  uint exponent =
+      clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
   ivec3 cell = ivec3(floor(place / uintBitsToFloat(exponent << 23u)));
   vec3 n = receiver.normal, size = abs(n);
   uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
@@ -94,8 +95,8 @@ uint pick_directional(inout uvec2 u, out float group_share) {
   return index;
 }
 
-// A light for the receiver, and how many times more probable it is than by power. u.x becomes what is left of it. kNone:
-// the pick fell to lights that cannot contribute.
+// A light for the receiver, and how many times more probable it is than by power. u.x becomes what is left of it.
+// kNone: the pick fell to lights that cannot contribute.
 uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
   ratio = 1.0;
   if (!uses_light_tree()) return pick_light(u);

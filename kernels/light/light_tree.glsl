@@ -1,8 +1,8 @@
 // Picks one of many lights in proportion to a bound of what it brings to a point: the walk down the light tree (Conty
 // Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; pbrt-v4, 12.6.3).
 //
-// All choices are drawn with one integer, which keeps the net of the sampler whole: each cuts the range of integers in two
-// and goes on in one part, so that what is left is uniform again. Include light_tree_types.h first and declare
+// All choices are drawn with one integer, which keeps the net of the sampler whole: each cuts the range of integers in
+// two and goes on in one part, so that what is left is uniform again. Include light_tree_types.h first and declare
 // `usamplerBuffer light_tree`.
 #ifndef WAVEPATH_LIGHT_TREE_GLSL
 #define WAVEPATH_LIGHT_TREE_GLSL
@@ -94,8 +94,8 @@ float subtree_importance(Receiver receiver, vec3 lo, vec3 hi, LightTreeChild chi
     received = angle_beyond(angle_of(dot(receiver.normal, direction)), seen).x;
     dark = dark || received < -kSlack;
   }
-  float importance = light_intensity(child.emission & 0xffffu) * max(emitted, kLeastCosine) * max(received, kLeastCosine) /
-                     max(max(distance2, radius2), 1e-30);
+  float importance = light_intensity(child.emission & 0xffffu) * max(emitted, kLeastCosine) *
+                     max(received, kLeastCosine) / max(max(distance2, radius2), 1e-30);
   return dark ? 0.0 : max(importance, 1e-36);
 }
 
@@ -123,8 +123,8 @@ LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float i
   return LightCluster(lo, child.link, hi, at.depth + 1u);
 }
 
-// A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or more,
-// agree with its probability to 4e-6.
+// A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or
+// more, agree with its probability to 4e-6.
 Fork fetch_fork(Receiver receiver, LightCluster at) {
   const float kLeastShare = 1.0 / 4096.0;
   Fork fork;
@@ -132,7 +132,9 @@ Fork fetch_fork(Receiver receiver, LightCluster at) {
   fork.child[0] = fetch_child(receiver, at, 0u, first);
   fork.child[1] = fetch_child(receiver, at, 1u, second);
   fork.dead = first == 0.0 && second == 0.0;
-  fork.share = first == 0.0 ? 0.0 : second == 0.0 ? 1.0 : clamp(first / (first + second), kLeastShare, 1.0 - kLeastShare);
+  fork.share = first == 0.0    ? 0.0
+               : second == 0.0 ? 1.0
+                               : clamp(first / (first + second), kLeastShare, 1.0 - kLeastShare);
   return fork;
 }
 
@@ -145,8 +147,8 @@ struct LightWalk {
 
 const LightWalk kNowhere = LightWalk(kNone, 0.0, 0.0);
 
-// Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column if
-// `drawn_below_column`.
+// Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column
+// if `drawn_below_column`.
 LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_below_column, inout Draw draw) {
   LightCluster at = fetch_light_root();
   LightWalk walk = LightWalk(kNone, 1.0, 1.0);

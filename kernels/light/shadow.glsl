@@ -1,6 +1,7 @@
-// How much light passes the surfaces along a shadow ray: BLEND by its exact share, MASK by all or nothing, unlit surfaces
-// by all; thin smooth panes, and walls of bodies of ior 1, by what they transmit straight on, for kernels that define
-// SHADOW_PASSES_PANES and have a Sampler path_sampler; these ask bodies_passed() of walls.glsl besides. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
+// How much light passes the surfaces along a shadow ray: BLEND by its exact share, MASK by all or nothing, unlit
+// surfaces by all; thin smooth panes, and walls of bodies of ior 1, by what they transmit straight on, for kernels that
+// define SHADOW_PASSES_PANES and have a Sampler path_sampler; these ask bodies_passed() of walls.glsl besides. Include
+// bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
 #ifndef WAVEPATH_SHADOW_GLSL
 #define WAVEPATH_SHADOW_GLSL
 
@@ -13,8 +14,8 @@
 #include "kernels/surface/surface.glsl"
 #endif
 
-// -log2 of what has passed, in fixed point: traversal meets surfaces in any order, and integers add up to the same sum in
-// any. So the picture does not depend on the tree. A step of 2^-20 is a relative error of 7e-7.
+// -log2 of what has passed, in fixed point: traversal meets surfaces in any order, and integers add up to the same sum
+// in any. So the picture does not depend on the tree. A step of 2^-20 is a relative error of 7e-7.
 const uint kShadowSteps = 1u << 20u;
 const uint kOpaqueShadow = 128u * kShadowSteps; // what passes is below 2^-128, which floats cannot hold
 uint shadow_depth;
@@ -48,7 +49,8 @@ bool passes_pane(Hit hit, float place) {
   vec3 passed = is_wall || is_pane(v.bsdf) ? pane_transmittance(v.bsdf, dot(v.wo, v.normal)) : vec3(0.0);
   if (is_pane_too_many() || !(max_component(passed) > 0.0)) return false;
   if (is_wall && has(kFeatureVolume)) return keep_wall(v.surface.material, v.front, place, min(passed, vec3(1.0)));
-  uvec3 steps = uvec3(shadow_steps(min(passed.x, 1.0)), shadow_steps(min(passed.y, 1.0)), shadow_steps(min(passed.z, 1.0)));
+  uvec3 steps =
+      uvec3(shadow_steps(min(passed.x, 1.0)), shadow_steps(min(passed.y, 1.0)), shadow_steps(min(passed.z, 1.0)));
   steps = mix(uvec3(kOpaqueShadow), steps, greaterThan(passed, vec3(0.0)));
   pane_depth = min(pane_depth + steps, uvec3(kOpaqueShadow)); // a colour that is gone stays gone
   return any(lessThan(pane_depth, uvec3(kOpaqueShadow)));
@@ -68,8 +70,8 @@ void restart_shadow() { shadow_depth = 0u; }
 void begin_shadow() { restart_shadow(); }
 #endif
 
-// Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it. `place`: of the
-// hit along the ray.
+// Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it.
+// `place`: of the hit along the ray.
 bool lets_light_through(Hit hit, float place) {
 #ifdef SHADOW_PASSES_PANES
   uint flags = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
@@ -87,7 +89,8 @@ bool lets_light_through(Hit hit, float place) {
 
 bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // where no walls are passed
 
-// Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels too.
+// Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels
+// too.
 vec3 light_passed() {
   vec3 passed = vec3(has(kFeatureAlpha) && shadow_depth > 0u ? share_passed(shadow_depth) : 1.0);
 #ifdef SHADOW_PASSES_PANES

@@ -1,5 +1,5 @@
-// Between stages: turns queue counts into indirect dispatch sizes, empties the queues that are written next, counts rays.
-// Push constant `bounce`: see kAdvanceSteps.
+// Between stages: turns queue counts into indirect dispatch sizes, empties the queues that are written next, counts
+// rays. Push constant `bounce`: see kAdvanceSteps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

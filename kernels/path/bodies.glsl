@@ -1,6 +1,6 @@
-// The bodies that a path is in: one, or where bodies overlap (kLobeNested) a list, see kernels/surface/bodies.glsl. Two words a path
-// hold four bodies. Where shadow rays pass walls (kFeatureWalls), the lists of those of a vertex stand behind: before it crosses
-// its surface, and after. Include bindings.glsl with BIND_PATHS first.
+// The bodies that a path is in: one, or where bodies overlap (kLobeNested) a list, see kernels/surface/bodies.glsl. Two
+// words a path hold four bodies. Where shadow rays pass walls (kFeatureWalls), the lists of those of a vertex stand
+// behind: before it crosses its surface, and after. Include bindings.glsl with BIND_PATHS first.
 #ifndef WAVEPATH_PATH_BODIES_GLSL
 #define WAVEPATH_PATH_BODIES_GLSL
 

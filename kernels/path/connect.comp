@@ -42,8 +42,8 @@ void add_to_sum(uint first, uint value) {
 }
 
 // For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives, counted for
-// one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked there, and
-// the two cells around it: the host adds up what cells within one teach.
+// one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked
+// there, and the two cells around it: the host adds up what cells within one teach.
 void tally(Receiver receiver, uint first, uint columns, uint column, uint brought, bool blocked) {
   uint sums = first + 4u * light_row(receiver) * (columns + 1u), behind = sums + 4u * columns;
   if (brought > 0u) {

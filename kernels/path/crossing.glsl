@@ -1,5 +1,6 @@
-// What a surface of a body does to the bodies that a path is in: which one lies behind it, whether another body hides it, and
-// the list once the path has crossed it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_PATHS first.
+// What a surface of a body does to the bodies that a path is in: which one lies behind it, whether another body hides
+// it, and the list once the path has crossed it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_PATHS
+// first.
 #ifndef WAVEPATH_PATH_CROSSING_GLSL
 #define WAVEPATH_PATH_CROSSING_GLSL
 
@@ -28,8 +29,8 @@ void set_outside(inout Vertex v, uint outside) {
   if (v.bsdf.ior > 0.0 && other.ior > 0.0) v.bsdf.ior /= other.ior;
 }
 
-// Whether the surface lies within a body of higher priority: the path goes straight on. Else its ior becomes that against the
-// body outside.
+// Whether the surface lies within a body of higher priority: the path goes straight on. Else its ior becomes that
+// against the body outside.
 bool is_hidden(inout Vertex v, uint slot) {
   uint outside = outside_body(v, slot);
   if (outside == kNone) return false;

@@ -1,5 +1,5 @@
-// Ends the paths whose rays met nothing: they see the environment. A queue of their own, because drivers that run eight rays
-// in step would run all of shade for them (benchmarks/results/NOTES.md).
+// Ends the paths whose rays met nothing: they see the environment. A queue of their own, because drivers that run eight
+// rays in step would run all of shade for them (benchmarks/results/NOTES.md).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,5 +1,5 @@
-// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT and
-// BIND_PATHS first.
+// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT
+// and BIND_PATHS first.
 #ifndef WAVEPATH_PATH_ESCAPE_GLSL
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
@@ -24,7 +24,8 @@ void escape(Ray ray, inout PathState path) {
     light_pdf = learned_sky_pdf(before, 1.0) / float(light_samples_at(kLightSamples, before));
   }
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
-  add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
+  add_radiance(path, slot,
+               path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
 }
 
 #endif

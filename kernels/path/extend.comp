@@ -1,5 +1,5 @@
-// Finds the closest hit of every ray in the queue and, where the next kernels want it (kSort), lists the rays that hit and
-// those that escape.
+// Finds the closest hit of every ray in the queue and, where the next kernels want it (kSort), lists the rays that hit
+// and those that escape.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

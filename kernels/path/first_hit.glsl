@@ -8,7 +8,8 @@
 void identify(Hit hit, uint material, inout PathAovs aovs) {
   aovs.triangle = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
   if ((aovs.triangle & kPieceId) != 0u) aovs.triangle = texelFetch(triangle_vertices, int(hit.triangle)).w;
-  aovs.instance = is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
+  aovs.instance =
+      is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
   aovs.material = material;
 }
 

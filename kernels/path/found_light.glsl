@@ -1,4 +1,5 @@
-// Light that a path finds by itself. Include bindings.glsl with BIND_PATHS, and BIND_SEEN where first hits are shared, first.
+// Light that a path finds by itself. Include bindings.glsl with BIND_PATHS, and BIND_SEEN where first hits are shared,
+// first.
 #ifndef WAVEPATH_PATH_FOUND_LIGHT_GLSL
 #define WAVEPATH_PATH_FOUND_LIGHT_GLSL
 

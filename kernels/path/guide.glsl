@@ -2,8 +2,8 @@
 // (one-sample MIS).
 //
 // The field is a tree over space, in the spirit of Mueller, Gross and Novak, "Practical Path Guiding" (EGSR 2017). Each
-// leaf holds a density over the sphere (guide_map.glsl). The host builds it (host/integrators/path/guide_field.h). Include
-// bindings.glsl with BIND_GUIDE first.
+// leaf holds a density over the sphere (guide_map.glsl). The host builds it (host/integrators/path/guide_field.h).
+// Include bindings.glsl with BIND_GUIDE first.
 #ifndef WAVEPATH_GUIDE_GLSL
 #define WAVEPATH_GUIDE_GLSL
 
@@ -59,7 +59,8 @@ void note_scattering(uint path, uint bounce, Guide guide, vec3 position, vec3 di
 }
 // The path arrived at the vertex of `bounce`, with this radiance gathered so far.
 void note_arrival(uint path, uint bounce, vec3 radiance) {
-  if (bounce > 0u && bounce <= kGuideBounces) guide_records[guide_record(path, bounce - 1u) + 2u].y = luminance(radiance);
+  if (bounce > 0u && bounce <= kGuideBounces)
+    guide_records[guide_record(path, bounce - 1u) + 2u].y = luminance(radiance);
 }
 void note_end(uint path, uint bounce) {
   if (bounce < kGuideBounces) guide_records[guide_record(path, bounce)].w = 0.0;

@@ -1,8 +1,8 @@
 // A density over the sphere that can be drawn from, as a leaf of the guiding field has it.
 //
-// The sphere is cut into kGuideSide^2 cells by height y and by an azimuth without trigonometry: a quarter of a turn goes by
-// z / (|x| + |z|) instead of the angle, whose cells have .64 to 1.27 of the solid angle of even ones. Texels: path_types.h.
-// Include bindings.glsl with BIND_GUIDE first.
+// The sphere is cut into kGuideSide^2 cells by height y and by an azimuth without trigonometry: a quarter of a turn
+// goes by z / (|x| + |z|) instead of the angle, whose cells have .64 to 1.27 of the solid angle of even ones. Texels:
+// path_types.h. Include bindings.glsl with BIND_GUIDE first.
 #ifndef WAVEPATH_GUIDE_MAP_GLSL
 #define WAVEPATH_GUIDE_MAP_GLSL
 

@@ -5,9 +5,10 @@
 #include "kernels/path/guide.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// As vertex_sample() for the vertex's lobes, by both techniques, of which u.y picks one, too; kernels without guiding know the
-// BSDF alone. `bsdf_pdf`: of the BSDF alone.
-bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out BsdfSample s, out vec3 wi, out float bsdf_pdf) {
+// As vertex_sample() for the vertex's lobes, by both techniques, of which u.y picks one, too; kernels without guiding
+// know the BSDF alone. `bsdf_pdf`: of the BSDF alone.
+bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out BsdfSample s, out vec3 wi,
+                   out float bsdf_pdf) {
   bool delta = false;
   bsdf_pdf = 0.0;
   if (has(kFeatureGuide) && take_share(u.y, guide.probability)) {

@@ -1,5 +1,5 @@
-// Light within bodies: scattering (KHR_materials_volume_scatter): homogeneous, by a random walk; and the channel that a path carries behind glass that disperses (KHR_materials_dispersion).
-// Include bindings.glsl with BIND_PATHS first.
+// Light within bodies: scattering (KHR_materials_volume_scatter): homogeneous, by a random walk; and the channel that a
+// path carries behind glass that disperses (KHR_materials_dispersion). Include bindings.glsl with BIND_PATHS first.
 #ifndef WAVEPATH_PATH_MEDIUM_GLSL
 #define WAVEPATH_PATH_MEDIUM_GLSL
 
@@ -86,8 +86,8 @@ void choose_channel(uint slot) {
   if (uses_lobe(kLobeDispersion)) path_channel = (fetch_sample(slot) + fetch_sampler(slot).scramble % 3u) % 3u;
 }
 
-// From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative eta_scale
-// says that it does.
+// From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative
+// eta_scale says that it does.
 void disperse(Vertex v, inout PathState path) {
   if (!has_lobe(kLobeDispersion) || !v.bsdf.disperses || path.eta_scale < 0.0) return;
   path.throughput *= vec3(path_channel == 0u, path_channel == 1u, path_channel == 2u) * 3.0;

@@ -1,5 +1,5 @@
-// Samples that are not finite, counted by the kernel that made them. Include kernels/base/bindings.glsl with BIND_COUNTERS
-// first.
+// Samples that are not finite, counted by the kernel that made them. Include kernels/base/bindings.glsl with
+// BIND_COUNTERS first.
 //
 // Radiance that is not finite marks a path: no later sum makes it finite again. The kernel that makes it so counts the
 // sample and ends the path, so that no other kernel counts it again.
@@ -11,8 +11,8 @@
 #include "kernels/path/path_types.h"
 #include "kernels/base/wave.h"
 
-// Slots of a wave, or of one of its levels, go by sample, then by pixel, so that the lowest is the first whatever the order of
-// the lanes.
+// Slots of a wave, or of one of its levels, go by sample, then by pixel, so that the lowest is the first whatever the
+// order of the lanes.
 void count_nonfinite(uint maker, uint slot) {
   uint level = has(kFeatureAdaptive) ? part_of_slot(wave, slot).rank : 0u;
   atomicAdd(counters.nonfinite_count[maker], 1u);

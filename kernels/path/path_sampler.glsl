@@ -1,8 +1,8 @@
 // The random numbers of a path, for the kernels that follow it. Include bindings.glsl with BIND_RECEIVERS first.
 //
-// In waves by levels (kFeatureAdaptive) generate finds out which pixel and sample a slot works on, and keeps the sampler:
-// CPU drivers take a sixth of shade to find it again at every vertex. Samplers share the buffer of receivers, since the layout
-// of `path` has as many storage buffers as SwiftShader allows.
+// In waves by levels (kFeatureAdaptive) generate finds out which pixel and sample a slot works on, and keeps the
+// sampler: CPU drivers take a sixth of shade to find it again at every vertex. Samplers share the buffer of receivers,
+// since the layout of `path` has as many storage buffers as SwiftShader allows.
 #ifndef WAVEPATH_PATH_SAMPLER_GLSL
 #define WAVEPATH_PATH_SAMPLER_GLSL
 
@@ -18,7 +18,8 @@ void store_sampler(uint slot, Sampler s) {
 Sampler fetch_sampler(uint slot) {
   if (!has(kFeatureAdaptive)) return slot_sampler(slot);
   uvec2 kept = texelFetch(receiver_texels, int(slot)).xy;
-  if (has_whole_nets()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x); // replicates differ by scramble
+  // Replicates differ by their scramble.
+  if (has_whole_nets()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x);
   uint replicate = kept.y / kSecondReplicate;
   return Sampler(replicate, kept.y % kSecondReplicate, max(1u, samples_of_half(frame.sample_total, replicate)), kept.x);
 }

@@ -72,6 +72,24 @@ GPU_FUNCTION uint sky_samples_at(uint first, bool learned, uint bounce) {
   return learned && first > 1u ? 1u + light_samples_at(first - 1u, bounce) : first;
 }
 
+// Queues of a bounce b. Every stage reads what those before it have appended; advance turns counts into sizes of the
+// next dispatches.
+//
+//     generate (b = 0), or shade of bounce b - 1
+//        |
+//     rays, half b & 1             ray_count[b & 1] rays; the halves of the buffer take turns
+//        |
+//     extend ------------------->  hits: entry i is that of ray i
+//        |
+//     sorted_rays                  | indices of rays that hit ->     free     <- indices of rays that escaped |
+//        |             |             hit_count, from the front                   escape_count, from the back
+//     shade          escape        escape adds the environment. Without sorting, shade does so for all rays.
+//        |
+//        |--> rays, half (b + 1) & 1
+//        '--> shadow_rays          queue i, from i * slot_count on: light sample i of every vertex
+//                |
+//             connect              once for each queue: paths gain the light of rays that nothing blocks
+//
 // Each light sample of a vertex has a queue of its own, one behind the other, so that a path gets light from one lane
 // at a time.
 struct Queues {

@@ -1,8 +1,8 @@
 // Which entry of a queue an invocation takes.
 //
-// llvmpipe gives each of its threads one run of a dispatch's workgroups, and waits for the slowest thread. But neighbours
-// in a queue are alike: noisy levels come first, and what one thread appended while the other had ended stands last. So
-// workgroups take slices of the queue from all over it, and any run of them has some of everything.
+// llvmpipe gives each of its threads one run of a dispatch's workgroups, and waits for the slowest thread. But
+// neighbours in a queue are alike: noisy levels come first, and what one thread appended while the other had ended
+// stands last. So workgroups take slices of the queue from all over it, and any run of them has some of everything.
 #ifndef WAVEPATH_PATH_QUEUE_PLACE_GLSL
 #define WAVEPATH_PATH_QUEUE_PLACE_GLSL
 

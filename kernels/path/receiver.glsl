@@ -1,13 +1,13 @@
-// The vertex that a path was scattered at, as it receives light. Include bindings.glsl with BIND_SURFACES, BIND_LIGHT_TREE,
-// BIND_ENVIRONMENT and BIND_RECEIVERS first.
+// The vertex that a path was scattered at, as it receives light. Include bindings.glsl with BIND_SURFACES,
+// BIND_LIGHT_TREE, BIND_ENVIRONMENT and BIND_RECEIVERS first.
 #ifndef WAVEPATH_PATH_RECEIVER_GLSL
 #define WAVEPATH_PATH_RECEIVER_GLSL
 
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes between
-// make the ray begin elsewhere.
+// Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes
+// between make the ray begin elsewhere.
 bool keeps_receivers() {
   return uses_light_tree() || uses_learned_sky() || (uses(kFeaturePanes) && has(kFeatureTriangleLights));
 }

@@ -6,7 +6,8 @@
 
 #ifdef BIND_PATHS
 PathState fetch_path(uint slot) {
-  vec4 throughput_pdf = texelFetch(path_texels, int(2u * slot)), radiance_eta = texelFetch(path_texels, int(2u * slot + 1u));
+  vec4 throughput_pdf = texelFetch(path_texels, int(2u * slot)),
+       radiance_eta = texelFetch(path_texels, int(2u * slot + 1u));
   return PathState(throughput_pdf.xyz, throughput_pdf.w, radiance_eta.xyz, radiance_eta.w);
 }
 #endif
@@ -25,7 +26,8 @@ void store_radiance(uint slot, PathState path) {
 #ifdef BIND_RAYS
 // `place`: counted over both queues, one after the other.
 Ray fetch_ray(uint place) {
-  vec4 origin_slot = texelFetch(ray_texels, int(2u * place)), direction_t = texelFetch(ray_texels, int(2u * place + 1u));
+  vec4 origin_slot = texelFetch(ray_texels, int(2u * place)),
+       direction_t = texelFetch(ray_texels, int(2u * place + 1u));
   return Ray(origin_slot.xyz, floatBitsToUint(origin_slot.w), direction_t.xyz, direction_t.w);
 }
 void store_ray(uint place, Ray ray) {

@@ -1,5 +1,5 @@
-// Weighs the light of each path's second vertex for the pixels of its quad: by what of it they see, and how likely their
-// own paths would have found it (reuse.glsl). One lane a sender.
+// Weighs the light of each path's second vertex for the pixels of its quad: by what of it they see, and how likely
+// their own paths would have found it (reuse.glsl). One lane a sender.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -48,8 +48,8 @@ struct Link {
   float receiver_passes, sender_passes; // T
 };
 
-// Cosine at the receiver of the mirror image of a direction, 0 if it has none, and that of the direction itself, 0 below the
-// surface that a map stands for: as has_image() and has_itself() in
+// Cosine at the receiver of the mirror image of a direction, 0 if it has none, and that of the direction itself, 0
+// below the surface that a map stands for: as has_image() and has_itself() in
 // kernels/surface/world_scattering.glsl.
 float mirrored_cosine(uint slot, vec3 normal, vec3 direction, inout float cosine) {
   vec3 mirror = fetch_reuse(slot, kReuseReceiverMirror).xyz;
@@ -67,7 +67,8 @@ bool link_to(uint slot, Sender y, out Link link) {
   link.offset = y.position - position.xyz;
   float squared = dot(link.offset, link.offset);
   vec3 direction = link.offset * inversesqrt(squared);
-  float cosine = dot(normal.xyz, direction), mirrored = 0.0, cosine_y = -dot(y.plane, direction), shading_y = -dot(y.normal, direction);
+  float cosine = dot(normal.xyz, direction), mirrored = 0.0, cosine_y = -dot(y.plane, direction),
+        shading_y = -dot(y.normal, direction);
   if (has(kFeatureNormalMaps)) mirrored = mirrored_cosine(slot, normal.xyz, direction, cosine);
   link.density = kInvPi * (cosine + mirrored) * cosine_y / squared;
   link.receiver_passes = link.sender_passes = 1.0;
@@ -75,10 +76,12 @@ bool link_to(uint slot, Sender y, out Link link) {
     Coupling x = unpack_coupling(position.w, fetch_reuse(slot, kReuseReceiverColor).w, normal.w);
     link.receiver_passes = coupling_passes(x, max(cosine, 0.0));
     if (has(kFeatureNormalMaps) && mirrored > 0.0)
-      link.receiver_passes = mix(link.receiver_passes, coupling_passes(x, mirrored), mirrored / (max(cosine, 0.0) + mirrored));
+      link.receiver_passes =
+          mix(link.receiver_passes, coupling_passes(x, mirrored), mirrored / (max(cosine, 0.0) + mirrored));
     link.sender_passes = coupling_passes(y.coupling, max(shading_y, 0.0));
   }
-  return cosine + mirrored > 0.0 && dot(plane, direction) > 0.0 && cosine_y > 0.0 && shading_y > kLeastCosine && is_finite(link.density);
+  return cosine + mirrored > 0.0 && dot(plane, direction) > 0.0 && cosine_y > 0.0 && shading_y > kLeastCosine &&
+         is_finite(link.density);
 }
 
 // Of all lanes, each of which has traced 0 to 4.

@@ -2,20 +2,21 @@
 // pixels of a quad follow for one sample share the light that they find where they first scatter. Include bindings.glsl
 // with BIND_REUSE first.
 //
-// Path j scatters at x_j, off the diffuse lobe, towards y_j, and finds there the radiance R_j that y_j sends back. Pixel i
-// may use it as well, seen from x_i:
+// Path j scatters at x_j, off the diffuse lobe, towards y_j, and finds there the radiance R_j that y_j sends back.
+// Pixel i may use it as well, seen from x_i:
 //
 //   sum over j of  w_i T_i(y_j) K_ij R_j T_j(x_i) / T_j(x_j) / (sum over k of P_k K_kj)
 //
 // where K_ij = cos cos / (pi distance^2) between x_i and y_j, or 0 if they do not see each other: a path from x_i finds
 // y_j with density P_i K_ij per area, P_i being the probability of the diffuse lobe. (Where a map bends the normal, the
 // cosine at x_i is the sum of two, see kernels/surface/world_scattering.glsl.) w_i is the lobe's albedo, T the share
-// of light along a direction that passes the interface above the diffuse base. So every path is a sample of one technique,
-// weighed by the balance heuristic (Veach 1997, section 9.2), and the mean is that of paths that share nothing.
+// of light along a direction that passes the interface above the diffuse base. So every path is a sample of one
+// technique, weighed by the balance heuristic (Veach 1997, section 9.2), and the mean is that of paths that share
+// nothing.
 //
-// Of y_j only the diffuse lobe takes part, whose light goes everywhere alike but for T: a path that arrives there goes on
-// from it or from the other lobes, by chance. What x_j scatters by its other lobes is its own, and so is what the path
-// gathers before y_j: emission, light samples at x_j, light of y_j itself.
+// Of y_j only the diffuse lobe takes part, whose light goes everywhere alike but for T: a path that arrives there goes
+// on from it or from the other lobes, by chance. What x_j scatters by its other lobes is its own, and so is what the
+// path gathers before y_j: emission, light samples at x_j, light of y_j itself.
 //
 // Between x and y must lie nothing: panes and BLEND surfaces stop the light that is shared, and paths that passed some
 // share nothing.
@@ -30,9 +31,13 @@
 #define TURNS_NORMALS has(kFeatureSmoothNormals | kFeatureNormalMaps)
 
 uint reuse_place(uint slot, uint texel) { return texel * frame.slot_count + slot; }
-vec4 fetch_reuse(uint slot, uint texel) { return uintBitsToFloat(texelFetch(reuse_texels, int(reuse_place(slot, texel)))); }
+vec4 fetch_reuse(uint slot, uint texel) {
+  return uintBitsToFloat(texelFetch(reuse_texels, int(reuse_place(slot, texel))));
+}
 void store_reuse(uint slot, uint texel, vec3 v) { reuse_words[reuse_place(slot, texel)].xyz = floatBitsToUint(v); }
-void store_reuse(uint slot, uint texel, vec3 v, float w) { reuse_words[reuse_place(slot, texel)] = floatBitsToUint(vec4(v, w)); }
+void store_reuse(uint slot, uint texel, vec3 v, float w) {
+  reuse_words[reuse_place(slot, texel)] = floatBitsToUint(vec4(v, w));
+}
 
 // Which pixel of its quad a slot works on, and how many places that has, which are slots beside each other.
 uint reuse_quad(uint slot) {

@@ -1,5 +1,5 @@
-// The two vertices of a path that take part in the reuse of paths (reuse.glsl), as shade finds them. Include bindings.glsl
-// with BIND_REUSE and BIND_PATHS first.
+// The two vertices of a path that take part in the reuse of paths (reuse.glsl), as shade finds them. Include
+// bindings.glsl with BIND_REUSE and BIND_PATHS first.
 #ifndef WAVEPATH_PATH_REUSE_VERTEX_GLSL
 #define WAVEPATH_PATH_REUSE_VERTEX_GLSL
 
@@ -42,7 +42,8 @@ bool begin_receiver(Vertex v, Lobes l, uint slot) {
   store_with(slot, kReuseReceiverColor, l.diffuse, v.bsdf.ior);
   store_with(slot, kReuseReceiverNormal, v.normal, v.bsdf.alpha);
   if (TURNS_NORMALS) store_reuse(slot, kReuseReceiverPlane, plane);
-  if (has(kFeatureNormalMaps)) store_reuse(slot, kReuseReceiverMirror, is_bent(v) && v.plane != v.normal ? v.plane : vec3(0.0));
+  if (has(kFeatureNormalMaps))
+    store_reuse(slot, kReuseReceiverMirror, is_bent(v) && v.plane != v.normal ? v.plane : vec3(0.0));
   reuse_words[reuse_place(slot, kReuseHead)].x = floatBitsToUint(-l.diffuse_probability);
   return true;
 }
@@ -88,7 +89,8 @@ bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, 
   if (drawn < 0.0) {
     path.throughput = fetch_reuse(slot, kReuseOther).xyz / probability;
   } else {
-    vec3 plane = v.front ? surface.geometric_normal : -surface.geometric_normal; // the facet's, though rays leave elsewhere
+    // the facet's, though rays leave elsewhere
+    vec3 plane = v.front ? surface.geometric_normal : -surface.geometric_normal;
     vec3 to = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, plane);
     store_with(slot, kReuseSender, to, kMicrofacets ? pack_coupling(l.surface) : 0.0);
     store_with(slot, kReuseSenderPlane, plane, v.bsdf.ior);

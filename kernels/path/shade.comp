@@ -70,8 +70,8 @@ float t_max_of(Vertex v, vec3 direction, bool distant) {
 }
 
 // Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
-bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
-                      out ShadowRay ray) {
+bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
+                      vec3 throughput, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
@@ -88,15 +88,16 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
 
   ray.slot = slot;
   ray.light = light.light;
-  ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
+  ray.origin =
+      offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = t_max_of(v, light.direction, light.distant);
   return true;
 }
 
 // The same at a point within a body that scatters, of a path that arrives along `forward`; by one sample.
-bool connect_to_light(vec3 place, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
-                      vec3 throughput, out ShadowRay ray) {
+bool connect_to_light(vec3 place, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension,
+                      uint slot, vec3 throughput, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
   float density = phase_pdf(g, dot(forward, light.direction));
@@ -120,12 +121,14 @@ Sampler one_of(Sampler path_sampler, uint i, uint count) {
   return path_sampler;
 }
 
-// Next-event estimation by all of them, whose shadow rays go to their queues: lane by lane, since lanes of a subgroup need
-// not be together here.
-void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
+// Next-event estimation by all of them, whose shadow rays go to their queues: lane by lane, since lanes of a subgroup
+// need not be together here.
+void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
+                       vec3 throughput) {
   for (uint i = 0u; i < light_sample_count(); ++i) {
     ShadowRay ray;
-    bool wanted = connect_to_light(v, lobes, receiver, one_of(path_sampler, i, light_sample_count()), dimension, slot, throughput, ray);
+    bool wanted = connect_to_light(v, lobes, receiver, one_of(path_sampler, i, light_sample_count()), dimension, slot,
+                                   throughput, ray);
     if (!wanted) continue;
     store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
   }
@@ -146,7 +149,8 @@ bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, o
     return true;
   }
   BsdfSample s;
-  if (!guided_sample(v, lobes, guide, sample_2d(sky_sampler, dimension + 1u).x, sample_2d(sky_sampler, dimension), s, wi, bsdf_pdf))
+  if (!guided_sample(v, lobes, guide, sample_2d(sky_sampler, dimension + 1u).x, sample_2d(sky_sampler, dimension), s,
+                     wi, bsdf_pdf))
     return false;
   weight = s.weight / float(frame.sky_samples);
   return s.pdf >= 0.0 && sides_agree(v, wi); // a delta lobe is the path's own
@@ -180,8 +184,8 @@ bool lets_shadow_rays_pass(Vertex v) {
 
 // Scatters the path: true if it goes on with `ray`. `receives`: the vertex does, of the light that neighbours find.
 // `passed`: straight through a pane, as shadow rays do.
-bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, bool receives, inout PathState path,
-             out Ray ray, out bool passed) {
+bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, bool receives,
+             inout PathState path, out Ray ray, out bool passed) {
   passed = false;
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
@@ -196,7 +200,8 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   if (receives) scatter_receiver(v, lobes, s, wi, slot);
 
   path.throughput *= s.weight;
-  // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its density.
+  // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its
+  // density.
   if (!passed) path.bsdf_pdf = s.pdf;
   if (!passed && TAKES_MORE_LIGHT_SAMPLES) path.bsdf_pdf /= float(light_sample_count());
   path.eta_scale *= s.eta_scale;
@@ -205,8 +210,8 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and
   // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
   // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
-  // environment (llvmpipe). Paths survive a quarter more often than that, and twice as often where they are guided to light
-  // (benchmarks/results/NOTES.md).
+  // environment (llvmpipe). Paths survive a quarter more often than that, and twice as often where they are guided to
+  // light (benchmarks/results/NOTES.md).
   float survival = (has(kFeatureGuide) ? 2.0 : 1.25) * sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
     if (!(u_choice.y < survival)) return false;
@@ -214,10 +219,12 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
   if (has(kFeatureLearning))
-    note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
+    note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf,
+                    path.throughput);
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) cross_surface(v, slot);
-  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi,
+            kFar);
   return true;
 }
 
@@ -269,8 +276,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
     if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // they do not get here
-    next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction), slot,
-               ray.direction, kFar);
+    next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction),
+               slot, ray.direction, kFar);
     wants_ray = wave.bounce < frame.max_depth;
     return;
   }
@@ -313,14 +320,16 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       store_bodies_around(v, slot);
     }
     if (connects) {
-      // A single one goes to its queue with the path's own ray, which takes AMD's compiler 108 registers instead of 120.
-      if (TAKES_MORE_LIGHT_SAMPLES) connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
-      else wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
+      // A single one goes to its queue with the path's own ray: 108 registers instead of 120 by AMD's compiler.
+      if (TAKES_MORE_LIGHT_SAMPLES)
+        connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
+      else
+        wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
     }
     if (looks_for_sky) connect_to_sky(v, lobes, receiver, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
-    // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
-    // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
+    // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A
+    // pilot that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
     if (passed && (connects || looks_for_sky) && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
   }
 }
@@ -349,7 +358,8 @@ void main() {
   Ray next;
   ShadowRay shadow;
   if (index < (kSort != kSortNone ? queues.hit_count : queues.ray_count[wave.bounce & 1u]))
-    shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow, shadow);
+    shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow,
+          shadow);
 
   uint place;
   if (REUSES_PATHS && wave.bounce == 1u) {

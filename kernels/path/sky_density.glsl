@@ -1,5 +1,5 @@
-// With which density the vertices of sky.glsl look for the sky, and what of it that leaves to the path's own ray. Include
-// bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
+// With which density the vertices of sky.glsl look for the sky, and what of it that leaves to the path's own ray.
+// Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_PATH_SKY_DENSITY_GLSL
 #define WAVEPATH_PATH_SKY_DENSITY_GLSL
 
@@ -8,10 +8,11 @@
 
 #define LEARNS_SKY (SHARES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
 
-uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, LEARNS_SKY, bounce) - 1u; } // of a vertex
+// Directions in which a vertex looks for the sky, besides the path's own.
+uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, LEARNS_SKY, bounce) - 1u; }
 
-// The density per solid angle of all of them together, where they are learned, given how many times more probable the part
-// of one has become.
+// The density per solid angle of all of them together, where they are learned, given how many times more probable the
+// part of one has become.
 float learned_sky_pdf(uint bounce, float part_ratio) {
   return float(further_directions(bounce)) * warp_uniform_sphere_pdf() * part_ratio;
 }

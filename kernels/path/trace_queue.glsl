@@ -1,11 +1,11 @@
 // The main() of kernels that trace a queue of rays. Include it behind trace.glsl and queue.glsl, and define before:
-// RAY_COUNT; NEXT_RAY, the counter of those that some lane has begun; IS_COHERENT, whether neighbours in the queue take the
-// same way; begin_ray(index), which sets the variables queued_...; end_ray(index, hit).
+// RAY_COUNT; NEXT_RAY, the counter of those that some lane has begun; IS_COHERENT, whether neighbours in the queue take
+// the same way; begin_ray(index), which sets the variables queued_...; end_ray(index, hit).
 //
 // Rays take very different numbers of steps, and a subgroup is done when its slowest ray is. So where lanes branch by
-// themselves, those that are done take the next rays of the queue as soon as too few of their subgroup have one left (Aila
-// and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs, section 4). APPEND needs lanes that enter it
-// together to go through it together, as those of a basic block do; which lanes these are does not matter.
+// themselves, those that are done take the next rays of the queue as soon as too few of their subgroup have one left
+// (Aila and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs, section 4). APPEND needs lanes that
+// enter it together to go through it together, as those of a basic block do; which lanes these are does not matter.
 #ifndef WAVEPATH_TRACE_QUEUE_GLSL
 #define WAVEPATH_TRACE_QUEUE_GLSL
 

@@ -24,7 +24,8 @@ void main() {
   uint id_best = kNone;
   for (uint item = 0u; item < wave.sample_count; ++item) {
     int texel = int(item * kTriangleTexels);
-    vec4 v0 = texelFetch(triangles, texel), v1 = texelFetch(triangles, texel + 1), v2 = texelFetch(triangles, texel + 2);
+    vec4 v0 = texelFetch(triangles, texel), v1 = texelFetch(triangles, texel + 1),
+         v2 = texelFetch(triangles, texel + 2);
     uint id = floatBitsToUint(v1.w);
     Candidate candidate = intersect_triangle(prepared, v0.xyz, v1.xyz, v2.xyz);
     if (candidate.hit && (candidate.t < t_best || (candidate.t == t_best && id < id_best))) {

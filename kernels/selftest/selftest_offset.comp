@@ -25,7 +25,8 @@ void main() {
   Ray request = fetch_ray(index);
   Hit hit = Hit(request.slot, 0u, request.origin.x, request.origin.y);
   int texel = int(hit.triangle * kTriangleTexels);
-  vec3 v0 = texelFetch(triangles, texel).xyz, v1 = texelFetch(triangles, texel + 1).xyz, v2 = texelFetch(triangles, texel + 2).xyz;
+  vec3 v0 = texelFetch(triangles, texel).xyz, v1 = texelFetch(triangles, texel + 1).xyz,
+       v2 = texelFetch(triangles, texel + 2).xyz;
 
   Surface surface = fetch_surface(hit);
   vec3 n = surface.geometric_normal, tangent, bitangent;

@@ -1,6 +1,7 @@
-// Lists of the bodies that a point is in, where bodies overlap (kLobeNested): by priority, as Schmidt and Budge have it ("Simple
-// Nested Dielectrics in Ray Traced Images", 2002): a surface within a body of higher priority is not there, and light bends by the
-// ratio of the two bodies that do meet. A list holds four bodies; what is entered beyond is lost. Include bindings.glsl first.
+// Lists of the bodies that a point is in, where bodies overlap (kLobeNested): by priority, as Schmidt and Budge have it
+// ("Simple Nested Dielectrics in Ray Traced Images", 2002): a surface within a body of higher priority is not there,
+// and light bends by the ratio of the two bodies that do meet. A list holds four bodies; what is entered beyond is
+// lost. Include bindings.glsl first.
 #ifndef WAVEPATH_BODIES_GLSL
 #define WAVEPATH_BODIES_GLSL
 

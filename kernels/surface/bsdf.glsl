@@ -21,7 +21,8 @@
 #include "kernels/surface/no_layers.glsl"
 #endif
 
-const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u; // no ||: glslang makes a branch of it
+// No ||, of which glslang makes a branch.
+const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u;
 
 vec3 dielectric_reflectance(Bsdf b, Interface surface, float c) {
   return with_film(b, surface, surface.f0, fresnel_dielectric(surface, c), c);
@@ -88,7 +89,8 @@ void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout Shares shares) {
   float passes = 0.0;
   if (glass > 0.0) {
     float ior = max(b.ior, 1.0);
-    passes = b.thin ? 1.0 - interface_mean(l.surface, 0.0) : body_passes(average, b.entering ? 1.0 : ior, b.entering ? ior : 1.0);
+    passes = b.thin ? 1.0 - interface_mean(l.surface, 0.0)
+                    : body_passes(average, b.entering ? 1.0 : ior, b.entering ? ior : 1.0);
   }
   vec3 returned = b.metallic * metal_returns(b.base_color, missing) + glass * (1.0 - passes);
   l.multiple = returned * (lacking / (kPi * missing));
@@ -103,7 +105,7 @@ vec3 eval_multiple(Bsdf b, Lobes l, vec3 wi) {
   return l.multiple * (facets_lack(own_table(b), wi, b.alpha) * wi.z);
 }
 
-// ---- the lobes ----------------------------------------------------------------------------------------------------------
+// ---- the lobes ------------------------------------------------------------------------------------------------------
 
 void set_probabilities(Shares shares, inout Lobes l) {
   float wide = shares.reflected + shares.through, all_ = shares.coat + shares.facets + wide;
@@ -241,8 +243,8 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   return g2 > 0.0;
 }
 
-// Whether u falls into a share of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that points
-// of a net that make the same choice still form a net.
+// Whether u falls into a share of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that
+// points of a net that make the same choice still form a net.
 bool take_share(inout float u, float share) {
   if (share <= 0.0) return false;
   bool taken = u < share;
@@ -250,8 +252,8 @@ bool take_share(inout float u, float share) {
   return taken;
 }
 
-// A direction from the microfacet lobes; `u_side` decides whether it is reflected or transmitted. `delta`: the lobe is a delta
-// lobe; only then does s.weight hold f |cos| / pdf.
+// A direction from the microfacet lobes; `u_side` decides whether it is reflected or transmitted. `delta`: the lobe is
+// a delta lobe; only then does s.weight hold f |cos| / pdf.
 bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, inout BsdfSample s, out bool delta) {
   vec3 h = l.delta_reflection ? vec3(0.0, 0.0, 1.0) : sample_facet(b, wo, u);
   float c = dot(wo, h);
@@ -278,9 +280,10 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, inout BsdfSam
   return refract_direction(wo, h, l.surface.eta, s.wi) && s.wi.z < 0.0;
 }
 
-// Draws wi from one of the lobes, which u.y picks (by u.x StanfordDragon has 1.05 times the squared error). False if the path
-// ends here: there is no lobe, or wi is on the wrong side after a single bounce between microfacets. `u_side` picks reflection
-// or transmission within the lobe. `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight set.
+// Draws wi from one of the lobes, which u.y picks (by u.x StanfordDragon has 1.05 times the squared error). False if
+// the path ends here: there is no lobe, or wi is on the wrong side after a single bounce between microfacets. `u_side`
+// picks reflection or transmission within the lobe. `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight
+// set.
 bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out BsdfSample s, out bool delta) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false, false);
   delta = false;

@@ -1,8 +1,8 @@
 // What the surface model works on: a material at a point, and what has been drawn from it.
 //
-// Kernels come in two builds: with LAYERED for scenes whose materials have layers (kLobesLayered), and without, in which not
-// even the code of these is there. A driver pays for code when it compiles, whether or not a specialization constant then
-// removes it: the kernels of DamagedHelmet would take 2.2 s instead of 1.4 (llvmpipe, two cores).
+// Kernels come in two builds: with LAYERED for scenes whose materials have layers (kLobesLayered), and without, in
+// which not even the code of these is there. A driver pays for code when it compiles, whether or not a specialization
+// constant then removes it: the kernels of DamagedHelmet would take 2.2 s instead of 1.4 (llvmpipe, two cores).
 #ifndef WAVEPATH_BSDF_TYPES_GLSL
 #define WAVEPATH_BSDF_TYPES_GLSL
 

@@ -1,7 +1,7 @@
-// What lies on the metallic-roughness model of bsdf.glsl, and beside it: coat over (sheen over f), films on its interfaces,
-// stretched microfacets, light that the diffuse base lets through.
-// What a layer lets pass is in coat.glsl and sheen.glsl. Of LAYERED kernels; the others include no_layers.glsl, which has
-// the same functions for materials without any of it.
+// What lies on the metallic-roughness model of bsdf.glsl, and beside it: coat over (sheen over f), films on its
+// interfaces, stretched microfacets, light that the diffuse base lets through.
+// What a layer lets pass is in coat.glsl and sheen.glsl. Of LAYERED kernels; the others include no_layers.glsl, which
+// has the same functions for materials without any of it.
 #ifndef WAVEPATH_LAYERS_GLSL
 #define WAVEPATH_LAYERS_GLSL
 
@@ -12,7 +12,8 @@
 vec3 dielectric_reflectance(Bsdf b, Interface surface, float c);
 float base_passes(Bsdf b, Interface surface, float mu);
 
-const bool kLayers = (kLobes & (kLobeCoat | kLobeSheen | kLobeDiffuseTransmission)) != 0u; // no ||: glslang makes a branch of it
+// No ||, of which glslang makes a branch.
+const bool kLayers = (kLobes & (kLobeCoat | kLobeSheen | kLobeDiffuseTransmission)) != 0u;
 
 bool is_coated(Bsdf b) { return has_lobe(kLobeCoat) && b.coat.weight > 0.0; }
 bool has_sheen(Bsdf b) { return has_lobe(kLobeSheen) && max_component(b.sheen.color) > 0.0; }
@@ -20,7 +21,9 @@ bool is_stretched(Bsdf b) { return has_lobe(kLobeAnisotropy) && b.stretched_alph
 bool is_mirror(Bsdf b) { return b.alpha < kMinAlpha && !is_stretched(b); }
 
 bool has_cover(Bsdf b) { return is_coated(b) || has_sheen(b); }
-bool has_wide_layers(Bsdf b) { return has_cover(b) || (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0); }
+bool has_wide_layers(Bsdf b) {
+  return has_cover(b) || (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0);
+}
 bool has_rough_cover(Bsdf b) { return (is_coated(b) && b.coat.alpha >= kMinAlpha) || has_sheen(b); }
 
 // Whether nothing lies on the diffuse base but the interface.
@@ -46,8 +49,8 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
 
 // ---- thin films -----------------------------------------------------------------------------------------------------
 
-// The film's share of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle at
-// which the light leaves, so that both ways have one reflectance.
+// The film's share of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle
+// at which the light leaves, so that both ways have one reflectance.
 vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) {
   if (!has_lobe(kLobeIridescence) || b.film.weight == 0.0) return plain;
   float outside2 = surface.eta < 1.0 ? 1.0 - (1.0 - c * c) / (surface.eta * surface.eta) : c * c;
@@ -108,8 +111,8 @@ float layers_pass_diffuse(Bsdf b, Lobes l, vec3 wi) {
   return has_sheen(b) ? passed * min(l.sheen_passed, sheen_passes(b.sheen, wi)) : passed;
 }
 
-// Light that the diffuse base scatters to the other side, in place of its own colour; the coupling at both interfaces is that
-// of reflection. mu: cosine there.
+// Light that the diffuse base scatters to the other side, in place of its own colour; the coupling at both interfaces
+// is that of reflection. mu: cosine there.
 vec3 eval_diffuse_through(Bsdf b, Lobes l, float mu) {
   if (!has_lobe(kLobeDiffuseTransmission) || b.diffuse_transmission == 0.0) return vec3(0.0);
   float coupling = l.base_coupling * base_passes(b, l.surface, mu);
@@ -138,8 +141,8 @@ bool draw_from_coat(Bsdf b, Lobes l, vec3 wo, vec2 u, inout BsdfSample s, out bo
   return true;
 }
 
-// Of a smooth coat: adds what it mirrors to what the surface below it mirrors, if that does; one ray shows both. Returns
-// whether there is anything to mirror.
+// Of a smooth coat: adds what it mirrors to what the surface below it mirrors, if that does; one ray shows both.
+// Returns whether there is anything to mirror.
 bool mirror_in_coat(Bsdf b, vec3 wo, bool mirrors, inout vec3 reflectance, inout vec3 mirrored) {
   if (!is_coated(b) || b.coat.alpha >= kMinAlpha || !is_outside(b, 1.0)) return mirrors;
   float c = dot(wo, b.coat.normal);

@@ -1,11 +1,11 @@
 // Light that scatters more than once between the microfacets of a rough surface, which the single bounce of bsdf.glsl
 // loses: up to 69 % at roughness 1.
 //
-// As Kulla and Conty Estevez have it ("Revisiting Physically Based Shading at Imageworks", 2017): a lobe proportional to
-// D(o) D(i), D = 1 - directional albedo of the single bounce without absorption, which returns just what is missing and is
-// reciprocal. A body's lobe is split between the two sides s: the part that passes, t(s), obeys t(1) A(1) n(1)^2 = t(2)
-// A(2) n(2)^2, A = mean of D, so that light and camera paths agree; the larger of the two t is what a smooth interface
-// passes on average.
+// As Kulla and Conty Estevez have it ("Revisiting Physically Based Shading at Imageworks", 2017): a lobe proportional
+// to D(o) D(i), D = 1 - directional albedo of the single bounce without absorption, which returns just what is missing
+// and is reciprocal. A body's lobe is split between the two sides s: the part that passes, t(s), obeys t(1) A(1) n(1)^2
+// = t(2) A(2) n(2)^2, A = mean of D, so that light and camera paths agree; the larger of the two t is what a smooth
+// interface passes on average.
 #ifndef WAVEPATH_MULTIPLE_GLSL
 #define WAVEPATH_MULTIPLE_GLSL
 

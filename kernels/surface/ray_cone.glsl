@@ -1,5 +1,5 @@
-// What a pixel covers of a surface, for look-ups at mip levels: ray cones (Akenine-Moeller et al. 2021), whose width is the
-// pixel's side at the depth of the hit. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
+// What a pixel covers of a surface, for look-ups at mip levels: ray cones (Akenine-Moeller et al. 2021), whose width is
+// the pixel's side at the depth of the hit. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
 #ifndef WAVEPATH_RAY_CONE_GLSL
 #define WAVEPATH_RAY_CONE_GLSL
 
@@ -7,9 +7,9 @@
 #include "kernels/bvh/instance.glsl"
 #include "kernels/surface/surface.glsl"
 
-// Sets the footprint of look-ups at the hit of a camera ray, `offset` from its origin. The cone's section of the surface is
-// an ellipse, 1 / cosine as long as it is wide; its area decides. (Its length is as good by error, and blurs more: relMSE
-// 0.00314 either way on Sponza, 0.0041 without levels; from half to 1.4 times the width it stays within 3 %.)
+// Sets the footprint of look-ups at the hit of a camera ray, `offset` from its origin. The cone's section of the
+// surface is an ellipse, 1 / cosine as long as it is wide; its area decides. (Its length is as good by error, and blurs
+// more: relMSE 0.00314 either way on Sponza, 0.0041 without levels; from 0.5x to 1.4x the width it stays within 3 %.)
 void open_cone(Hit hit, vec3 offset) {
   if (!has_mips() || !uses(kFeatureTextures)) return;
   int texel = int(hit.triangle * kTriangleTexels);
@@ -20,7 +20,8 @@ void open_cone(Hit hit, vec3 offset) {
     side2 = transform_vector(hit.instance * kInstanceTexels + 3u, side2);
   }
   vec4 uv0 = surface_uv(hit.triangle, vec3(1.0, 0.0, 0.0));
-  vec4 uv1 = surface_uv(hit.triangle, vec3(0.0, 1.0, 0.0)) - uv0, uv2 = surface_uv(hit.triangle, vec3(0.0, 0.0, 1.0)) - uv0;
+  vec4 uv1 = surface_uv(hit.triangle, vec3(0.0, 1.0, 0.0)) - uv0,
+       uv2 = surface_uv(hit.triangle, vec3(0.0, 0.0, 1.0)) - uv0;
   vec2 uv_area = abs(uv1.xz * uv2.yw - uv1.yw * uv2.xz);
   float depth = dot(offset, frame.camera_forward);
   float side = frame.pixel_spread * (is_orthographic() ? 1.0 : depth);

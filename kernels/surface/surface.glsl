@@ -44,8 +44,12 @@ vec4 unpack_tangent(float packed) {
 
 // A value of three corners at a point between them. Weights sum to 1 but for rounding, so that only a form in which the
 // first of them does not enter gives back a value that is the same at all corners, to the last bit.
-vec3 interpolated(vec3 v0, vec3 v1, vec3 v2, vec3 weights) { return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0); }
-vec4 interpolated(vec4 v0, vec4 v1, vec4 v2, vec3 weights) { return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0); }
+vec3 interpolated(vec3 v0, vec3 v1, vec3 v2, vec3 weights) {
+  return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0);
+}
+vec4 interpolated(vec4 v0, vec4 v1, vec4 v2, vec3 weights) {
+  return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0);
+}
 
 // uv of a point on a triangle, for tests that need nothing else.
 vec4 surface_uv(uint triangle, vec3 weights) {
@@ -69,15 +73,18 @@ vec4 tangent_to_world(vec4 to0, vec4 to1, vec4 to2, bool flipped, vec4 tangent) 
 }
 vec4 tangent_to_world(uint instance, vec4 tangent) {
   int texel = int(instance * kInstanceTexels);
-  return tangent_to_world(texelFetch(instances, texel + 3), texelFetch(instances, texel + 4), texelFetch(instances, texel + 5),
-                          floatBitsToUint(texelFetch(instances, texel + 6).y) != 0u, tangent);
+  return tangent_to_world(texelFetch(instances, texel + 3), texelFetch(instances, texel + 4),
+                          texelFetch(instances, texel + 5), floatBitsToUint(texelFetch(instances, texel + 6).y) != 0u,
+                          tangent);
 }
 
 // Object to world: exact bounds on what the transform adds to the position's error.
 void to_world(uint instance, inout Surface surface) {
   int texel = int(instance * kInstanceTexels);
-  vec4 from0 = texelFetch(instances, texel), from1 = texelFetch(instances, texel + 1), from2 = texelFetch(instances, texel + 2);
-  vec4 to0 = texelFetch(instances, texel + 3), to1 = texelFetch(instances, texel + 4), to2 = texelFetch(instances, texel + 5);
+  vec4 from0 = texelFetch(instances, texel), from1 = texelFetch(instances, texel + 1),
+       from2 = texelFetch(instances, texel + 2);
+  vec4 to0 = texelFetch(instances, texel + 3), to1 = texelFetch(instances, texel + 4),
+       to2 = texelFetch(instances, texel + 5);
   bool flipped = floatBitsToUint(texelFetch(instances, texel + 6).y) != 0u;
   vec4 p = vec4(surface.position, 1.0);
   vec3 size = abs(surface.position), error = surface.position_error;
@@ -112,10 +119,10 @@ void fetch_normal(uint vertex, out vec3 normal, out vec4 tangent) {
 }
 
 // ---- the shadow terminator ------------------------------------------------------------------------------------------
-// A coarse mesh with smooth normals is lit as the surface that it stands for, but its facets throw shadows on each other
-// where that surface is still lit. With --terminator smooth, rays leave from that surface (Hanika, "Hacking the Shadow
-// Terminator", Ray Tracing Gems II): the point is projected onto the tangent planes of the vertices, by their weights,
-// where those lie above it.
+// A coarse mesh with smooth normals is lit as the surface that it stands for, but its facets throw shadows on each
+// other where that surface is still lit. With --terminator smooth, rays leave from that surface (Hanika, "Hacking the
+// Shadow Terminator", Ray Tracing Gems II): the point is projected onto the tangent planes of the vertices, by their
+// weights, where those lie above it.
 
 // Of one vertex, whose normal `n` is on the side in question.
 vec3 lift_towards(vec3 vertex, vec3 n, vec3 p) { return max(dot(vertex - p, n), 0.0) * n; }
@@ -128,8 +135,8 @@ void find_lifts(vec3 v0, vec3 v1, vec3 v2, vec3 n0, vec3 n1, vec3 n2, vec3 weigh
   vec3 p = surface.position;
   surface.lift_front =
       weights.x * lift_towards(v0, n0, p) + weights.y * lift_towards(v1, n1, p) + weights.z * lift_towards(v2, n2, p);
-  surface.lift_back =
-      weights.x * lift_towards(v0, -n0, p) + weights.y * lift_towards(v1, -n1, p) + weights.z * lift_towards(v2, -n2, p);
+  surface.lift_back = weights.x * lift_towards(v0, -n0, p) + weights.y * lift_towards(v1, -n1, p) +
+                      weights.z * lift_towards(v2, -n2, p);
 }
 
 // Moves the point onto the smooth surface on one side, with its normal, for all rays that leave to that side. Where the
@@ -218,13 +225,14 @@ float hit_opacity(Hit hit, bool sees_unlit) {
 }
 
 // Whether this path passes through the hit: decided by a number of its own for every placed triangle and kind of ray.
-// Unlit surfaces (KHR_materials_unlit) are what the eye and mirrors see, and nothing else: like the viewers of glTF, and
-// like Blender's importer, the path tracer has them neither give light nor take it.
+// Unlit surfaces (KHR_materials_unlit) are what the eye and mirrors see, and nothing else: like the viewers of glTF,
+// and like Blender's importer, the path tracer has them neither give light nor take it.
 bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
   uint placed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
   if (is_instanced()) // golden ratio: spreads instances over the words
     placed += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) * 0x9e3779b9u;
-  return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit, (kind & 1u) == kHashExtend && SEES_UNLIT);
+  return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >=
+         hit_opacity(hit, (kind & 1u) == kHashExtend && SEES_UNLIT);
 }
 
 // A normal that a map bends, in world space.
@@ -238,8 +246,8 @@ vec3 mapped_normal(Surface surface, vec4 tangent, vec3 n, uint texture_, float s
 
 bool has_tangent(Surface surface) { return dot(surface.tangent.xyz, surface.tangent.xyz) > 0.0; }
 
-// Shading normal on one side of the surface: interpolated, and bent by the normal map. Which of its two signs is meant follows
-// from the side, so that meshes whose normals disagree with their winding are shaded all the same.
+// Shading normal on one side of the surface: interpolated, and bent by the normal map. Which of its two signs is meant
+// follows from the side, so that meshes whose normals disagree with their winding are shaded all the same.
 vec3 bumped_normal(Surface surface, Material material, bool front) {
   vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 n = surface.vertex_normal;
@@ -249,8 +257,8 @@ vec3 bumped_normal(Surface surface, Material material, bool front) {
   return reversed ? -n : n;
 }
 
-// Bent back where it would face away from the viewer: such a direction cannot be seen on a real bumpy surface; leaving it
-// would render black.
+// Bent back where it would face away from the viewer: such a direction cannot be seen on a real bumpy surface; leaving
+// it would render black.
 vec3 held_normal(vec3 n, vec3 wo) {
   const float kGrazing = 1e-3; // cosine at which the normal is held
   float cosine = dot(n, wo);

@@ -11,13 +11,14 @@
 
 bool is_encoded(Texture image, bool color) { return color && (image.flags & kTextureSrgb) != 0u; }
 
-// One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, as light adds
-// up linearly. A constant where this is called, because drivers run both sides of other branches.
+// One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, as light
+// adds up linearly. A constant where this is called, because drivers run both sides of other branches.
 vec4 fetch_texel(Texture image, int x, int y, bool color) {
   uint texel = texel_index(uint(x), uint(y), image.width, image.flags >> kTextureBesideShift & 3u);
   if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) {
     uint word = image.first_texel + 4u * texel;
-    return uintBitsToFloat(uvec4(texel_word(word), texel_word(word + 1u), texel_word(word + 2u), texel_word(word + 3u)));
+    return uintBitsToFloat(
+        uvec4(texel_word(word), texel_word(word + 1u), texel_word(word + 2u), texel_word(word + 3u)));
   }
   uint word = texel_word(image.first_texel + texel);
   uvec4 bytes = uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 255u;
@@ -57,8 +58,8 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
   return clamp(texel, ivec2(0), ivec2(size - 1));
 }
 
-// Between two values. Equal ones come out exactly, which mix() leaves open, and bytes never beyond the two: what a cut-off
-// is compared with.
+// Between two values. Equal ones come out exactly, which mix() leaves open, and bytes never beyond the two: what a
+// cut-off is compared with.
 vec4 between(vec4 first, vec4 second, float share) { return first + share * (second - first); }
 
 // Bilinear, or the nearest texel.
@@ -106,7 +107,7 @@ vec4 look_up(Texture image, vec2 uv, bool color) {
   return filter_image(image, uv, color);
 }
 
-// ---- mip levels -------------------------------------------------------------------------------------------------------
+// ---- mip levels -----------------------------------------------------------------------------------------------------
 
 // Area that the look-up stands for, in units of TEXCOORD_0 and of TEXCOORD_1, squared. 0 = a point, which is looked up
 // exactly. kernels/surface/ray_cone.glsl sets it.
@@ -175,7 +176,9 @@ vec4 sample_chosen_texture(uint index, vec4 uv_sets, bool color) {
 }
 // As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one. Of
 // colours, which glTF has as sRGB, and of values.
-#define sample_color_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets, true) : vec4(1.0))
-#define sample_value_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets, false) : vec4(1.0))
+#define sample_color_or_1(feature, index, uv_sets) \
+  (has(feature) ? sample_chosen_texture(index, uv_sets, true) : vec4(1.0))
+#define sample_value_or_1(feature, index, uv_sets) \
+  (has(feature) ? sample_chosen_texture(index, uv_sets, false) : vec4(1.0))
 
 #endif

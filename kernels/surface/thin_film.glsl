@@ -1,7 +1,7 @@
-// KHR_materials_iridescence: a film of nanometres on a surface, by Belcour and Barla, "A Practical Extension to Microfacet
-// Theory for the Modeling of Varying Iridescence" (2017), with Schlick's curve for the base as glTF's appendix has it. The
-// film's own interface is exact: by Schlick's curve, a film of no thickness would still reflect all light at grazing
-// angles.
+// KHR_materials_iridescence: a film of nanometres on a surface, by Belcour and Barla, "A Practical Extension to
+// Microfacet Theory for the Modeling of Varying Iridescence" (2017), with Schlick's curve for the base as glTF's
+// appendix has it. The film's own interface is exact: by Schlick's curve, a film of no thickness would still reflect
+// all light at grazing angles.
 #ifndef WAVEPATH_THIN_FILM_GLSL
 #define WAVEPATH_THIN_FILM_GLSL
 
@@ -22,7 +22,8 @@ vec3 film_response(float path_difference, vec3 shift) {
   const vec3 kPlace = vec3(1.6810e+06, 1.7953e+06, 2.2084e+06);
   const vec3 kWidth = vec3(4.3278e+09, 9.3046e+09, 6.6121e+09);
   vec3 xyz = kHeight * sqrt(2.0 * kPi * kWidth) * cos(kPlace * phase + shift) * exp(-phase * phase * kWidth);
-  xyz.x += 9.7470e-14 * sqrt(2.0 * kPi * 4.5282e+09) * cos(2.2399e+06 * phase + shift.x) * exp(-4.5282e+09 * phase * phase);
+  xyz.x +=
+      9.7470e-14 * sqrt(2.0 * kPi * 4.5282e+09) * cos(2.2399e+06 * phase + shift.x) * exp(-4.5282e+09 * phase * phase);
   xyz /= 1.0685e-7;
   return vec3(dot(xyz, vec3(3.2404542, -1.5371385, -0.4985314)), dot(xyz, vec3(-0.9692660, 1.8760108, 0.0415560)),
               dot(xyz, vec3(0.0556434, -0.2040259, 1.0572252)));

@@ -19,7 +19,8 @@ struct Vertex {
   vec3 plane; // the normal before a map bent it, on wo's side (kFeatureNormalMaps)
 #ifdef LAYERED
   vec3 coat_normal; // world, on wo's side (kLobeCoat)
-  vec3 grain;       // world: the direction along which microfacets are stretched, zero if they are not (kLobeAnisotropy)
+  vec3 grain;       // world: the direction along which microfacets are stretched, zero if they are not
+                    // (kLobeAnisotropy)
 #endif
 };
 

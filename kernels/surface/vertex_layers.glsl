@@ -2,15 +2,15 @@
 #ifndef WAVEPATH_VERTEX_LAYERS_GLSL
 #define WAVEPATH_VERTEX_LAYERS_GLSL
 
-// Of the path that is being shaded: 0, 1, 2 = its light is red, green, blue once it has met glass that disperses. Kernels
-// that do not set it see all glass with the middle ior.
+// Of the path that is being shaded: 0, 1, 2 = its light is red, green, blue once it has met glass that disperses.
+// Kernels that do not set it see all glass with the middle ior.
 uint path_channel = 1u;
 
 vec4 layer_value(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, false); }
 vec4 layer_color(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, true); }
 
-// Tangent of a layer whose texture is read by other coordinates than the normal map. layer: 0 = coat, 1 = grain. `first`: see
-// MaterialLayers.
+// Tangent of a layer whose texture is read by other coordinates than the normal map. layer: 0 = coat, 1 = grain.
+// `first`: see MaterialLayers.
 vec4 layer_tangent(Surface surface, uint first, int layer) {
   if (first == 0u) return surface.tangent;
   uvec3 vertex = texelFetch(triangle_vertices, int(surface.hit.triangle)).xyz;
@@ -90,7 +90,8 @@ void read_layers(inout Vertex v) {
     }
   }
   if (uses_lobe(kLobeDispersion) && !v.bsdf.thin && v.bsdf.ior > 1.0) {
-    // The ior falls linearly from blue to red, by (ior - 1) / Abbe number over the range, as KHR_materials_dispersion has it.
+    // The ior falls linearly from blue to red, by (ior - 1) / Abbe number over the range, as KHR_materials_dispersion
+    // has it.
     float dispersion = uintBitsToFloat(fetch_layers(m, 5u).z);
     v.bsdf.disperses = dispersion > 0.0 && v.bsdf.transmission > 0.0;
     float half_spread = 0.025 * dispersion * (v.bsdf.ior - 1.0);

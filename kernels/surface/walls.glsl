@@ -1,6 +1,6 @@
-// Walls of bodies of ior 1 along a shadow ray, which light passes unbent and unreflected, dimmed by the body: traversal meets
-// them in any order, so that they are kept, and put in order once the ray has arrived. Include bindings.glsl with BIND_SURFACES
-// first.
+// Walls of bodies of ior 1 along a shadow ray, which light passes unbent and unreflected, dimmed by the body: traversal
+// meets them in any order, so that they are kept, and put in order once the ray has arrived. Include bindings.glsl with
+// BIND_SURFACES first.
 #ifndef WAVEPATH_WALLS_GLSL
 #define WAVEPATH_WALLS_GLSL
 
@@ -27,7 +27,8 @@ void sort_walls() {
     float place = wall_places[i];
     vec3 share = wall_shares[i];
     uint body = wall_bodies[i], k = i;
-    for (; k > 0u && (wall_places[k - 1u] > place || (wall_places[k - 1u] == place && wall_bodies[k - 1u] > body)); --k) {
+    for (; k > 0u && (wall_places[k - 1u] > place || (wall_places[k - 1u] == place && wall_bodies[k - 1u] > body));
+         --k) {
       wall_places[k] = wall_places[k - 1u];
       wall_bodies[k] = wall_bodies[k - 1u];
       wall_shares[k] = wall_shares[k - 1u];
@@ -38,10 +39,13 @@ void sort_walls() {
   }
 }
 
-vec3 optical_depth(uint body, float distance_) { return body == kNoBody ? vec3(0.0) : fetch_material(body).attenuation * distance_; }
+vec3 optical_depth(uint body, float distance_) {
+  return body == kNoBody ? vec3(0.0) : fetch_material(body).attenuation * distance_;
+}
 
-// What walls and bodies on its way leave of a ray that begins within `bodies` and ends `end` metres away; `metre`: of a unit of
-// wall_places. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on there.
+// What walls and bodies on its way leave of a ray that begins within `bodies` and ends `end` metres away; `metre`: of a
+// unit of wall_places. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on
+// there.
 vec3 bodies_passed(uvec4 bodies, float metre, float end) {
   sort_walls();
   vec3 depth = vec3(0.0), share = vec3(1.0);

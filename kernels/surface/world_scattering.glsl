@@ -1,5 +1,5 @@
-// What a vertex scatters, in world space: values, densities and draws of the BSDF where facet, smooth normal and normal map
-// point different ways. Of a Vertex, as vertex.glsl has it.
+// What a vertex scatters, in world space: values, densities and draws of the BSDF where facet, smooth normal and normal
+// map point different ways. Of a Vertex, as vertex.glsl has it.
 #ifndef WAVEPATH_WORLD_SCATTERING_GLSL
 #define WAVEPATH_WORLD_SCATTERING_GLSL
 
@@ -7,8 +7,8 @@
 
 bool is_bent(Vertex v) { return has(kFeatureNormalMaps) && v.material.normal_texture != kNone; }
 
-// Whether the vertex reflects what it scatters to wi, rather than letting it through: by the surface that a map stands for,
-// not by the normal that it bends, since lobes are folded at that surface (below).
+// Whether the vertex reflects what it scatters to wi, rather than letting it through: by the surface that a map stands
+// for, not by the normal that it bends, since lobes are folded at that surface (below).
 bool is_above(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) > 0.0; }
 bool is_below(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) < 0.0; }
 
@@ -26,12 +26,13 @@ bool sides_agree(Vertex v, BsdfSample s, vec3 wi) {
   return is_bent(v) && s.pdf < 0.0 ? is_on_viewers_side(v, wi) != s.transmitted : sides_agree(v, wi);
 }
 
-// ---- folding ----------------------------------------------------------------------------------------------------------
-// Half of what a bent normal scatters may head below the surface that the map stands for, where no light is. It is mirrored
-// up at that surface, and what it lets through down: value and density of a direction are those of the BSDF for it and for
-// its mirror image, of each where the BSDF sends its light to wi's side of that surface. So a white surface returns all
-// light whatever its map (cutting these directions off returned 57 % in a strong map). What a mirror folds cannot be
-// followed back from the light, so that kernels of light paths, and those that meet them, define KEEPS_MIRRORS.
+// ---- folding --------------------------------------------------------------------------------------------------------
+// Half of what a bent normal scatters may head below the surface that the map stands for, where no light is. It is
+// mirrored up at that surface, and what it lets through down: value and density of a direction are those of the BSDF
+// for it and for its mirror image, of each where the BSDF sends its light to wi's side of that surface. So a white
+// surface returns all light whatever its map (cutting these directions off returned 57 % in a strong map). What a
+// mirror folds cannot be followed back from the light, so that kernels of light paths, and those that meet them, define
+// KEEPS_MIRRORS.
 #ifdef KEEPS_MIRRORS
 const bool kFoldsMirrors = false;
 #else
@@ -52,7 +53,8 @@ bool has_image(Vertex v, vec3 wi, out vec3 image) {
   return (image.z > 0.0) == (dot(wi, v.plane) > 0.0) && v.plane != v.normal;
 }
 
-// f |cos| for light that the vertex sends to v.wo, and its density. wi must lie on the side that sides_agree() asks for.
+// f |cos| for light that the vertex sends to v.wo, and its density. wi must lie on the side that sides_agree() asks
+// for.
 vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, vec3 local, out float pdf) {
   vec3 value = vec3(0.0), wo = to_local(v, v.wo), image;
   pdf = 0.0;

@@ -1,5 +1,5 @@
-// Sends kLightsAtOnce shadow rays from every surface that whitted_trace.comp found, from number wave.first_film_pixel on (the film
-// plays no part here).
+// Sends kLightsAtOnce shadow rays from every surface that whitted_trace.comp found, from number wave.first_film_pixel
+// on (the film plays no part here).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -50,7 +50,8 @@ LightSample sample_sky(uvec2 u) {
 LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 triangle) {
   uvec2 u = sample_bits(path_sampler, dimension);
   triangle = uvec2(kNone, 0u);
-  bool picks = has(kFeatureTriangleLights) && number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
+  bool picks =
+      has(kFeatureTriangleLights) && number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
   uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
   if (picks) index = pick_light(u);
   if (has(kFeatureEnvironment) && index >= frame.light_count) return sample_sky(u);
@@ -74,13 +75,15 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   if (is_below(v, s.direction) && !v.bsdf.thin) medium = medium_behind(v);
   if (has(kFeatureVolume) && !uses_walls()) value *= medium_transmittance(medium, distance_);
   if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
-  vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
+  vec3 origin =
+      offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
   ++shadow_ray_count;
   vec3 direction = s.distant ? s.direction : s.target - origin;
   begin_shadow(direction);
   bool blocked = trace(origin, direction, s.distant ? kFar : 1.0, triangle.x, triangle.y).triangle != kNone;
   if (blocked) return vec3(0.0);
-  if (has(kFeatureVolume) && uses_walls()) value *= bodies_passed(one_body(medium), s.distant ? 1.0 : length(direction), distance_);
+  if (has(kFeatureVolume) && uses_walls())
+    value *= bodies_passed(one_body(medium), s.distant ? 1.0 : length(direction), distance_);
   return value * light_passed();
 }
 

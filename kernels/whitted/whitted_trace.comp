@@ -1,5 +1,5 @@
-// Traces the rays of one depth: emission, the ambient term, and the rays of the next depth. Surfaces that lights may light are left
-// for whitted_light.comp.
+// Traces the rays of one depth: emission, the ambient term, and the rays of the next depth. Surfaces that lights may
+// light are left for whitted_light.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -59,7 +59,8 @@ void branch(Vertex v, WhittedNode node, uint index) {
     vec3 transmittance = facet_transmittance(v.bsdf, lobes.surface, wo.z), local = -wo;
     transmittance *= layers_pass(v.bsdf, lobes, local);
     float eta = lobes.surface.eta;
-    bool passes = v.bsdf.thin || refract_direction(wo, vec3(0.0, 0.0, 1.0), eta, local); // else total internal reflection
+    // else total internal reflection
+    bool passes = v.bsdf.thin || refract_direction(wo, vec3(0.0, 0.0, 1.0), eta, local);
     precise vec3 scaled = transmittance / (eta * eta); // radiance where it enters a denser body
     refracted = child(v, node, local, v.bsdf.thin ? transmittance : scaled, true);
     refracts = passes && is_worth_following(refracted);
@@ -91,7 +92,8 @@ vec3 follow(WhittedNode node, uint index, uint slot) {
   }
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
-  vec3 passed = has(kFeatureVolume) ? medium_transmittance(node.medium, length(surface.position - node.origin)) : vec3(1.0);
+  vec3 passed =
+      has(kFeatureVolume) ? medium_transmittance(node.medium, length(surface.position - node.origin)) : vec3(1.0);
   Vertex v = make_vertex(surface, material, node.direction);
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, node.origin);
   bool unlit = has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u;
@@ -119,7 +121,8 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= wave_slots() * whitted.width) return;
   WhittedNode node = nodes_of_trees[index];
-  // A ray that another lane puts here meanwhile is of the next depth; read while it is written, it has that depth or none.
+  // A ray that another lane puts here meanwhile is of the next depth; read while it is written, it has that depth or
+  // none.
   if (node.width == 0u || node.depth != wave.bounce) return;
   uint slot = index % wave_slots();
   path_sampler = slot_sampler(slot);

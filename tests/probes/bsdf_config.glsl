@@ -42,8 +42,8 @@ Bsdf bsdf_of(Config c) {
   Sheen sheen = Sheen(c.sheen_color, c.sheen_roughness, kTableTexels);
   vec2 stretched = c.stretched_alpha.x > 0.0 ? c.stretched_alpha : vec2(c.alpha);
   return Bsdf(c.base_color, c.metallic, c.specular_color, c.specular, c.alpha, c.transmission, c.ior,
-              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, 0u, 2u * kTableTexels, coat, sheen, Film(c.film, c.film_ior, c.film_nanometres),
-              stretched, c.diffuse_through, c.diffuse_transmission, false);
+              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, 0u, 2u * kTableTexels, coat, sheen,
+              Film(c.film, c.film_ior, c.film_nanometres), stretched, c.diffuse_through, c.diffuse_transmission, false);
 }
 
 // A vertex as kernels/surface/vertex.glsl has it, in a world whose axes are those of the local basis.
@@ -63,8 +63,8 @@ struct Vertex {
 #include "kernels/surface/world_scattering.glsl"
 
 Vertex vertex_of(Config c) {
-  return Vertex(Facet(c.facet.xyz), Map(c.bent != 0u ? 0u : kNone), true, c.wo.xyz, vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0),
-                vec3(0.0, 1.0, 0.0), c.plane, bsdf_of(c));
+  return Vertex(Facet(c.facet.xyz), Map(c.bent != 0u ? 0u : kNone), true, c.wo.xyz, vec3(0.0, 0.0, 1.0),
+                vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), c.plane, bsdf_of(c));
 }
 
 // What light from wi gives, and the density with which it is drawn, as kernels/path/shade.comp has both.

@@ -1,4 +1,5 @@
-// Evaluates kernels/light/light_sampling.glsl on the buffers that the renderer binds: one function by mode (wave.bounce).
+// Evaluates kernels/light/light_sampling.glsl on the buffers that the renderer binds: one function by mode
+// (wave.bounce).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define BIND_LIGHTS
@@ -47,13 +48,15 @@ void main() {
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
   } else if (wave.bounce == 6u) { // offset and width in the bits of a.xy -> bits of b.x
     e.b.x = uintBitsToFloat(stretch(floatBitsToUint(e.a.x), floatBitsToUint(e.a.y)));
-  } else if (wave.bounce == 8u) { // bits of u in a.xy -> a: radiance, density; b: texel, radiance by the direction alone, its sine
+  } else if (wave.bounce == 8u) { // bits of u in a.xy -> a: radiance, density; b: texel, radiance by the direction
+                                  // alone, its sine
     EnvironmentPlace place;
     vec3 d = environment_from_world(sample_environment_map(floatBitsToUint(e.a.xy), place), frame.environment_rotation);
     e.a.x = environment_map_radiance(place, e.a.y).x;
     float pdf;
     e.b = vec4(place.texel, environment_map_radiance(environment_place(d), pdf).x, length(d.xz));
-  } else { // bits of a: depth, first cell, cells, none; weights in the part b.xy -> weights in the triangle b.xy, bits of b.z: its cell
+  } else { // bits of a: depth, first cell, cells, none; weights in the part b.xy -> weights in the triangle b.xy, bits
+           // of b.z: its cell
     uvec4 part = floatBitsToUint(e.a);
     e.b.xy = weights_in_part(part.x, part.y, part.z, e.b.xy);
     e.b.z = uintBitsToFloat(cell_at(part.x, e.b.xy));

@@ -1,5 +1,5 @@
-// Included twice, with A, B and C that are specialization constants, and with some that the device reads: both compute the
-// same. No guard: NAME names what each copy defines.
+// Included twice, with A, B and C that are specialization constants, and with some that the device reads: both compute
+// the same. No guard: NAME names what each copy defines.
 
 bool NAME(picks)(uint x) { return A != 0u && (x & 1u) != 0u; }
 uint NAME(least)() { return C; }

@@ -1,4 +1,5 @@
-// For every pixel of a hybrid frame: the camera ray into the first queue, for tracing, and the rasterized triangle as a hit.
+// For every pixel of a hybrid frame: the camera ray into the first queue, for tracing, and the rasterized triangle as a
+// hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

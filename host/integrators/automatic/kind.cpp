@@ -35,7 +35,7 @@ const IntegratorKind& automatic_integrator() {
   static const IntegratorKind kAutomatic = [] {
     IntegratorKind kind = kPath;
     kind.name = "auto";
-    kind.summary = "measures short pilots of path, path --guide and bidirectional, and takes the best";
+    kind.summary = "short pilots of path, path --guide and bidirectional, of which the best renders";
     kind.settings = kSettings;
     kind.candidates = candidates;
     return kind;

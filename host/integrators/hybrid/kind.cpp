@@ -292,7 +292,7 @@ std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) 
 
 constinit const IntegratorKind kHybrid = {
     .name = "hybrid",
-    .summary = "rasterized or traced first hit, traced direct light and ambient occlusion",
+    .summary = "first hits rasterized or traced, then traced direct light and ambient occlusion",
     .settings = kHybridSettings,
     .aovs = kAovs,
     .traces_paths = false,
@@ -322,7 +322,7 @@ constinit const IntegratorKind kHybrid = {
 
 constinit const IntegratorKind kAo = {
     .name = "ao",
-    .summary = "that occlusion alone",
+    .summary = "ambient occlusion alone",
     .settings = kAoSettings,
     .aovs = kAovs,
     .finds_light = false,

@@ -1,5 +1,7 @@
 #include "host/integrators/hybrid/rows.h"
 
+#include <utility>
+
 #include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
@@ -9,11 +11,16 @@
 namespace wavepath {
 
 std::vector<Setting> technique_rows() {
+  const std::pair<SettingGroup, std::vector<Setting>> parts[] = {{SettingGroup::shadows, shadow_rows()},
+                                                                 {SettingGroup::occlusion, occlusion_rows()},
+                                                                 {SettingGroup::hybrid, antialias_rows()},
+                                                                 {SettingGroup::shading, shading_rows()},
+                                                                 {SettingGroup::transparency, transparency_rows()}};
   std::vector<Setting> rows;
-  for (std::vector<Setting> part :
-       {shadow_rows(), occlusion_rows(), antialias_rows(), shading_rows(), transparency_rows()})
-    for (Setting& row : part) {
-      row.group = SettingGroup::special;
+  for (const auto& [group, part] : parts)
+    for (Setting row : part) {
+      row.group = group;
+      row.advanced = true;
       row.takers = Takers::listed_else_refused;
       row.offered = kByRender | kByView;
       rows.push_back(std::move(row));

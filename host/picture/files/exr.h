@@ -13,7 +13,7 @@
 
 namespace wavepath {
 
-// What the header attributes of an EXR record about the render.
+// Facts about the render that the header attributes of an EXR record.
 struct PictureInfo {
   std::uint32_t spp = 0;
   double seconds = 0.0;        // rendering alone
@@ -27,8 +27,8 @@ struct PictureInfo {
   std::optional<View> view;
   std::optional<std::array<float, 16>> world_to_camera,
       world_to_ndc; // where there is no view, as read_matrix gives them
-  // Of a picture that can be merged: what decides its bits (identity.h), who rendered it, and its exact sums, in
-  // channels film.NN, with the place that their positions are relative to.
+  // For a picture that can be merged: the text that decides its bits (identity.h), the device that rendered it, and its
+  // exact sums, in channels film.NN, with the point that their positions are relative to.
   std::string identity, device;
   glm::dvec3 origin{0.0};
   std::shared_ptr<const Film> film;
@@ -41,7 +41,7 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
 // it cannot be read. Saves `compare` of two renders the quarter of a second that it takes to load OpenImageIO.
 std::optional<Picture> read_own_exr(const std::string& path);
 
-// What the names of channels of exact sums begin with.
+// Prefix of the names of channels of exact sums.
 inline constexpr const char* kFilmPrefix = "film.";
 
 // A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.

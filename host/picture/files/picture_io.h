@@ -19,12 +19,12 @@ struct WriteOptions {
   Tonemap tonemap = Tonemap::neutral;
 };
 
-// Of the channels that hold the filtered picture, "denoised.R" and so on, where there is one.
+// Prefix of the channels that hold the filtered picture, if there is one: "denoised.R" and so on.
 inline constexpr const char* kShownPrefix = "denoised.";
 
 // The channels that files of three channels show: the filtered picture where there is one, else R G B.
 std::array<const Channel*, 3> shown_channels(const Picture& picture);
-// Those as R G B of a picture of their own.
+// A picture whose R G B are these channels.
 Picture shown_picture(const Picture& picture);
 
 // Writes the format that the extension of `path` names: all channels to EXR, those shown to the others. Returns how

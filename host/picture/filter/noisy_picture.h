@@ -1,4 +1,4 @@
-// What filters of a finished picture work on: its light, how uncertain that is, and what the camera saw.
+// Input of the filters of a finished picture: its light, how uncertain that is, and what the camera saw.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace wavepath {
 
 struct Film; // host/film/film.h
 
-// By pixel, row-major from the top left.
+// Values by pixel, row-major from the top left.
 struct NoisyPicture {
   std::uint32_t width = 0, height = 0;
   std::vector<glm::vec3> color;    // radiance
@@ -23,7 +23,7 @@ struct NoisyPicture {
   std::size_t pixels() const { return std::size_t{width} * height; }
 };
 
-// Of a film with AOVs.
+// The noisy picture of a film that has AOVs.
 NoisyPicture noisy_picture(const Film& film);
 
 } // namespace wavepath

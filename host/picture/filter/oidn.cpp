@@ -40,7 +40,7 @@ void find(void* library, Function& function, const char* name, const char* old_n
   void* symbol = dlsym(library, name);
   if (!symbol && old_name) symbol = dlsym(library, old_name);
   if (!symbol)
-    throw Error(kWhere, fmt::format("the library of Open Image Denoise lacks {}", name),
+    throw Error(kWhere, fmt::format("the library of Open Image Denoise lacks the function {}", name),
                 "install version 1 or 2 of it");
   function = reinterpret_cast<Function>(symbol);
 }

@@ -22,7 +22,7 @@ inline constexpr float kNormalScale = 8.0f;
 // Squared difference of albedos that counts as one standard deviation, twice. Light is divided by the albedo, but what
 // is painted differently often mirrors differently as well.
 inline constexpr float kAlbedoScale = 40.0f;
-// What the disparity of a plane may differ by, from what its slope foretells, before it counts as another plane.
+// Difference of a disparity from the one that the slope of its plane predicts, above which it counts as another plane.
 inline constexpr float kDisparitySlack = 5e-3f;
 
 // e^-x to within what a weight needs, in operations that compilers turn into vector code: (1 + x/8)^-8.

@@ -8,10 +8,10 @@
 namespace wavepath {
 
 struct ShadowScore {
-  // Of direct light, over the same pixels: the root mean square of (s - t) l / sqrt((t l)^2 + (0.1 max(l, m))^2), where
-  // s and t are the shares of light that arrive, l is the true light without shadows, summed over R, G and B, and m its
-  // median where there is any. The root of relMSE (see metrics.h) where light is even and 1; but brighter lamps change
-  // nothing, and a pixel next to a lamp weighs no more than any other.
+  // Error of direct light, over the same pixels: the root mean square of (s - t) l / sqrt((t l)^2 + (0.1 max(l, m))^2),
+  // where s and t are the shares of light that arrive, l is the true light without shadows, summed over R, G and B, and
+  // m its median where there is any. The root of relMSE (see metrics.h) where light is even and 1; but brighter lamps
+  // change nothing, and a pixel next to a lamp weighs no more than any other.
   double relative_rms = 0.0;
   // Shares of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would be
   // without shadows.
@@ -32,8 +32,8 @@ struct ShadowedPicture {
 // Empty where a picture lacks the channels.
 std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth);
 
-// What is falsely lit in orange, what is falsely dark in blue, the stronger the more; under it in grey the true shares
-// of light. Empty where a picture lacks the channels.
+// Map of falsely lit pixels in orange and falsely dark ones in blue, the stronger the more, over the true fractions of
+// light in grey. Empty if a picture lacks the channels.
 Picture false_shadow_map(const ShadowedPicture& picture, const ShadowedPicture& truth);
 
 } // namespace wavepath

@@ -38,10 +38,10 @@ private:
   std::vector<std::future<FilmEstimate>> abandoned_;
 };
 
-// Of the film itself, at once. Nothing may be in flight.
+// Estimate of the film itself, at once. Nothing may be in flight.
 std::future<FilmEstimate> estimate_now(const FilmTarget& film);
 
-// Whether the future is there; not if there is none.
+// True if the value of the future is there; false if there is no future.
 template <class T>
 bool is_there(const std::future<T>& future) {
   return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;

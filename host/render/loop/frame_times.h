@@ -1,4 +1,4 @@
-// What a stage takes, frame by frame.
+// Time that a stage takes, frame by frame.
 #pragma once
 
 #include <vector>

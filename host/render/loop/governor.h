@@ -14,8 +14,8 @@ inline constexpr double kLongestDispatch = 0.1; // seconds, far below any driver
 // the slowest.
 inline constexpr std::uint32_t kFirstWave = 8192, kFirstWaveOfCpu = 1u << 16;
 
-// Halves the wave when a dispatch took too long. Where there is time and room for at least twice as many paths, takes
-// as many at once as are sure to fit: a longer wave takes less time a path, and short ones are dear.
+// Halves the wave when a dispatch took too long. If there is time and memory for at least twice as many paths, takes as
+// many at once as are sure to fit: a longer wave takes less time a path, and short waves are expensive.
 class Governor {
 public:
   // `first`: paths of the waves that are sent before the first one's time is known.

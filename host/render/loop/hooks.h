@@ -1,4 +1,4 @@
-// What a render does besides rendering: tells how far it is, and hands out pictures and states on its way.
+// Calls that a render makes besides rendering: they tell how far it is, and hand out pictures and states on its way.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,13 @@ struct Progress {
 // Called after every wave (at most about every 100 ms); return false to stop with what there is.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
-// What a render does besides rendering. None of it counts as rendering time.
+// Calls that a render makes besides rendering. None of them counts as rendering time.
 struct RenderHooks {
   ProgressCallback progress{};
   // At every checkpoint, with the picture so far.
   std::function<void(const Checkpoint&, const Picture&)> checkpoint{};
   // Soon after the first samples, then every second or more seldom, so that it takes a twentieth of the time at most;
-  // with the picture so far. Of several devices, after every round.
+  // with the picture so far; on several devices, after every round.
   std::function<void(const Picture&)> show{};
   // About every save_interval seconds and at the end, with all that a later render needs to go on from there.
   std::function<void(const RenderState&)> save{};

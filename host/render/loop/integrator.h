@@ -1,4 +1,4 @@
-// The interface of integrators at work on a device. What is known of one before that is an IntegratorKind.
+// The interface of integrators at work on a device. An IntegratorKind tells of one before that.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class WaveQueue;
 struct FilmBand;
 struct View;
 
-// Whether coming frames use what an integrator learned from earlier ones: a camera in motion, or a cut.
+// Use of earlier frames by coming ones: a camera in motion keeps what an integrator learned, a cut forgets it.
 enum class Past { forget, keep };
 
 // Pixels that a pass treats alike: a band of the film, or in an adaptive render those of one level within a band. A
@@ -39,7 +39,7 @@ struct Pilot {
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
 // the pilot's pass and learn() while there is a pilot, then for every pass begin_pass(), record_wave() for all its
-// waves, end_pass(). What the integrator records is executed in that order.
+// waves, end_pass(). Recorded commands are executed in that order.
 class Integrator {
 public:
   virtual ~Integrator() = default;
@@ -47,7 +47,7 @@ public:
   // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
   // makes room. Throws Error if the device cannot hold it.
   virtual void change(const View& view, const RenderPlan& settings, Past past) = 0;
-  // Whether the kernels are compiled, so that get_ready() will not wait.
+  // True if the kernels are compiled, so that get_ready() will not wait.
   virtual bool is_ready() = 0;
   // Returns the seconds that compiling took. Throws what compiling threw.
   virtual double get_ready() = 0;
@@ -65,8 +65,8 @@ public:
   }
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
-  // What a wave's kernels are told: `count` samples from `first_sample` on of pixels at places from `first_place` on.
-  // An adaptive render then tells them where in its list these stand instead.
+  // Push constants of a wave's kernels: `count` samples from `first_sample` on of pixels at places from `first_place`
+  // on. An adaptive render then tells them where in its list these stand instead.
   virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
                          std::uint32_t first_sample, std::uint32_t count) const;
   // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.

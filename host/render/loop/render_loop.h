@@ -48,10 +48,10 @@ public:
              std::shared_ptr<const DeviceScene> uploaded = nullptr);
   ~RenderLoop(); // waits for what is in flight
 
-  // Begins anew with another view and other settings of the same scene. What is on the device is kept where it serves.
+  // Begins anew with another view and other settings of the same scene. Data on the device is kept where it serves.
   void restart(const View& view, const RenderPlan& settings, Past past = Past::forget);
 
-  // Whether there are kernels to begin with, so that step() will not wait for any.
+  // True if there are kernels to begin with, so that step() will not wait for any.
   bool is_ready() { return integrator_->is_ready(); }
   // Waits for them. Returns the seconds that compiling took.
   double get_ready() { return integrator_->get_ready(); }

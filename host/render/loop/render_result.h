@@ -1,4 +1,4 @@
-// What a render comes to: the picture, its error, and what both cost.
+// Result of a render: the picture, its error, and what both cost.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct MemoryUse { // bytes on the device
   std::uint64_t total() const { return scene + bvh + paths + film; }
 };
 
-// What a pilot cost that learned the choice of lights, and the cells of space that it learned of.
+// Cost of the pilot that learned the choice of lights, and the cells of space that it learned of.
 struct LightPilot {
   std::uint64_t paths = 0;
   double seconds = 0.0;
@@ -31,14 +31,14 @@ struct LightPilot {
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };
 
-// What a pilot has learned of where there is noise (--adaptive).
+// Report of the pilot that measured where there is noise (--adaptive).
 struct NoisePilot {
   std::uint32_t samples = 0, width = 0, height = 0; // of its picture
   double cost = 1.0;                                // squared error times time that it foretold, over even samples
   bool used = false;                                // samples were shared out by it
 };
 
-// What a pilot has learned of where light comes from (--guide).
+// Report of the pilot that learned where light comes from (--guide).
 struct GuideReport {
   bool used = false;        // it promised a gain
   double variance = 1.0;    // of a sample, guided over unguided, as the pilot foretells it
@@ -67,7 +67,7 @@ struct RayAnswers {
   std::uint64_t answered = 0, traced = 0;
 };
 
-// What a shadow technique made, and what that took (--shadows).
+// Report of a shadow technique: what it made, and its cost (--shadows).
 struct ShadowReport {
   std::string covered, traced; // lights: those that it answers for, and those whose rays are traced
   ShadowCost build, look_up;
@@ -81,7 +81,7 @@ struct ShadowReport {
   std::uint32_t longest_list = 0;              // of shadow rays in a cell, of an irregular z-buffer
 };
 
-// What occlusion in screen space took (--occlusion).
+// Cost of occlusion in screen space (--occlusion).
 struct OcclusionReport {
   double radius = 0.0; // metres
   FrameCost cost;

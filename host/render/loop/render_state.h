@@ -1,4 +1,4 @@
-// Where a render stands: enough to go on from there as if it had never stopped.
+// State of a render: enough to go on from there as if it had never stopped.
 #pragma once
 
 #include <cstdint>

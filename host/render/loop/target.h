@@ -26,7 +26,7 @@ public:
 
   // A look at `sample` has begun, at a film of `spp` samples a pixel.
   void begin(std::uint32_t sample, std::uint32_t spp);
-  // What the look at `sample` found. Returns whether the render ends with that film: its error is small enough, and
+  // Takes the estimate at `sample`. Returns true if the render ends with that film: its error is small enough, and
   // known well enough. Otherwise predicts by `checkpoints` where it may be, to look again there. The rule is about the
   // error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because its error seems
   // small by chance.

@@ -58,8 +58,22 @@ struct SpecialValue {      // several members, or text of a form of its own
 using SettingValue = std::variant<ChoiceValue, OnOffValue, SwitchValue, WholeValue, NumberValue, PositiveValue,
                                   OptionalNumberValue, RadianceValue, IntegratorValue, SpecialValue>;
 
-// Headings of --help.
-enum class SettingGroup { picture, stop, transport, special };
+// Headings of --help. From `hybrid` to `transparency` they hold the techniques of the hybrid integrator.
+enum class SettingGroup {
+  picture,
+  lens,
+  stop,
+  parts,
+  transport,
+  speed,
+  decisions,
+  hybrid,
+  shadows,
+  occlusion,
+  shading,
+  transparency,
+  others
+};
 
 // Which integrators take a setting: all, or those whose IntegratorKind::settings lists its name. The others refuse it
 // where it would change what the picture shows, and ignore it where it would change the noise alone.
@@ -79,6 +93,7 @@ struct Setting {
   std::string placeholder{}; // of the value in --help; choices list themselves instead
   std::string initial{};     // the default in words, where its value does not say it
   SettingGroup group = SettingGroup::transport;
+  bool advanced = false; // for experts: --help leaves it out, --help-all shows it
   Takers takers = Takers::all;
   Decides decides = Decides::picture;
   unsigned offered = 0;

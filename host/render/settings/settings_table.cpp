@@ -45,14 +45,14 @@ std::vector<std::string_view> rare_aovs() {
 std::string aov_meaning() {
   std::string text = fmt::format("extra EXR channels, separated by commas: {}", fmt::join(kCommonAovs, ", "));
   for (const std::string_view name : rare_aovs())
-    text += fmt::format("; {} with --integrator {}", name, aov_takers_text(name));
+    text += fmt::format(". {}: only with --integrator {}", name, aov_takers_text(name));
   return text;
 }
 
 std::string integrator_meaning() {
   std::string text;
   for (const IntegratorKind* kind : integrators())
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", kind->name, kind->summary);
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ". ", kind->name, kind->summary);
   return text;
 }
 
@@ -123,28 +123,27 @@ std::vector<Setting> lens_rows() {
   std::vector<Setting> rows = {
       {.name = "aperture",
        .value = NumberValue{nullptr, 0.0, kFarthestFocus, &Lens::aperture},
-       .meaning =
-           "diameter of a thin lens in metres of the scene (an f-number N at focal length f is f / N); what is out "
-           "of focus is blurred; 0 = a pinhole, all is sharp",
+       .meaning = "diameter of the aperture of a thin lens, in metres of the scene: focal length / f-number. What is "
+                  "out of focus is blurred. 0 is a pinhole, which keeps everything sharp",
        .placeholder = "METRES",
        .label = "aperture, metres"},
       {.name = "focus",
        .value =
            SpecialValue{read_focus,
                         [](const S& s) { return s.lens.focus ? fmt::format("{}", *s.lens.focus) : std::string(); }},
-       .meaning = "distance along the view axis to what --aperture keeps sharp; auto: that of what the middle of the "
+       .meaning = "distance along the view axis that --aperture keeps sharp, in metres. auto: what the middle of the "
                   "picture shows",
        .placeholder = "METRES|auto",
        .initial = "auto"},
       {.name = "blades",
        .value = SpecialValue{read_blades, [](const S& s) { return fmt::format("{}", s.lens.blades); }},
-       .meaning = "shape of the aperture: a regular polygon of so many corners, --aperture being the diameter of the "
-                  "circle through them; 0 = a disc",
+       .meaning =
+           "corners of the aperture, a regular polygon within the circle of diameter --aperture. 0 is the whole disc",
        .placeholder = "N",
        .initial = "0"},
   };
   for (Setting& row : rows) {
-    row.group = SettingGroup::picture;
+    row.group = SettingGroup::lens;
     row.takers = Takers::listed_else_refused;
     row.offered = kByAll;
   }
@@ -155,7 +154,7 @@ std::vector<Setting> picture_rows() {
   return {
       {.name = "size",
        .value = SpecialValue{read_size, [](const S& s) { return fmt::format("{}x{}", s.width, s.height); }},
-       .meaning = "pixels",
+       .meaning = "width and height of the picture in pixels",
        .placeholder = "WxH",
        .group = SettingGroup::picture,
        .offered = kByAll,
@@ -189,51 +188,62 @@ std::vector<Setting> transport_rows() {
        .label = "integrator"},
       {.name = "sampler",
        .value = ChoiceValue{&S::sampler, kSamplerNames},
-       .meaning = "sample points; sobol is Owen-scrambled",
+       .meaning = "random numbers of the samples. sobol: Owen-scrambled Sobol points",
        .offered = kByRenderAndView | kByBench,
        .label = "sampler",
        .study = {"independent", "stratified", "sobol"}},
       {.name = "direct",
        .value = ChoiceValue{&S::direct, kDirectNames},
-       .meaning = "direct light by both techniques, by light sampling, or by BSDF sampling",
+       .meaning = "estimator of direct light. nee: light sampling. bsdf: BSDF sampling. mis: both, by multiple "
+                  "importance sampling",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "direct light",
        .study = {"bsdf", "nee", "mis"}},
       {.name = "lights",
        .value = ChoiceValue{&S::lights, kLightSelectionNames},
-       .meaning = "how lights are chosen: by power; by a tree of bounds on what they bring; in shares near every place "
-                  "that a pilot, which is thrown away, has learned, and parts of an environment map or of a sky "
-                  "likewise; auto: learned where there is a map, or many lights in many places, else by power",
+       .meaning = "choice of the light that a light sample goes to. power: in proportion to power. tree: by a light "
+                  "tree, which bounds what each light contributes. learned: by what a pilot measured near each point, "
+                  "for parts of an environment map or of a sky as well; the pilot's samples are discarded. auto: "
+                  "learned under an environment map or with many lights in many places, else power",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "choice of lights"},
       {.name = "light-samples",
        .value = ChoiceValue{&S::light_samples, kLightSamplesNames},
-       .meaning =
-           fmt::format("light samples where a path first scatters, half as many at each bounce after that; auto: "
-                       "{} under an environment map, {} if materials have layers or lights a tree, else 1",
-                       kLightSamplesOfMaps, kFewLightSamplesOfMaps),
+       .meaning = fmt::format(
+           "light samples where a path first scatters; half as many at each later bounce. auto: {} under an "
+           "environment map, or {} there if materials have layers or lights a tree; else 1",
+           kLightSamplesOfMaps, kFewLightSamplesOfMaps),
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "light samples",
        .study = {"1", "2", "4", "8"}},
       {.name = "sky-samples",
        .value = ChoiceValue{&S::sky_samples, kLightSamplesNames},
-       .meaning =
-           "directions in which every vertex looks for a sky of one colour, that of the path among them; where "
-           "--lights learns, the others go where the sky was seen, half as many at each bounce; auto: what a "
-           "pilot, which is thrown away, finds to pay in a render that is long enough, else 1; no more than 9 less "
-           "the light samples",
+       .meaning = "directions in which each vertex looks for a sky of one colour, the path's own among them. With "
+                  "--lights learned the others go where the sky was seen, and their number halves at each bounce. "
+                  "auto: the number that a discarded pilot measured to be best, in renders that are long enough, else "
+                  "1. At most 9 less the light samples",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "sky samples",
        .study = {"1", "2", "4", "8"}},
       {.name = "reuse",
        .value = ChoiceValue{&S::reuse, kReuseNames, "on"},
-       .meaning = "four neighbouring pixels share the light that their paths find where they first scatter off diffuse "
-                  "surfaces, weighed so that the picture is that of paths of their own; auto: where a pilot, which is "
-                  "thrown away, finds that it pays. --reuse alone is on",
+       .meaning = "path reuse: four neighbouring pixels share the light that their paths find after the first diffuse "
+                  "surface. Weights keep the picture the same on average. auto: on where a discarded pilot measures a "
+                  "gain. --reuse alone means on",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_refused,
        .offered = kByRenderAndView | kByBench,
        .label = "reuse of paths",
@@ -242,56 +252,62 @@ std::vector<Setting> transport_rows() {
        .identity = [](const S& s) { return std::string(reuses_paths(s) ? "on" : ""); }},
       {.name = "hemisphere",
        .value = ChoiceValue{&S::hemisphere, kHemisphereNames},
-       .meaning = "how diffuse directions are sampled",
+       .meaning = "distribution of diffuse directions",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .study = {"uniform", "cosine"}},
       {.name = "guide",
        .value = SwitchValue{&S::guide},
-       .meaning = "path guiding: a pilot learns where light comes from, and paths go there more often; unguided where "
-                  "that promises no gain. Unbiased: the pilot is thrown away",
+       .meaning = "path guiding: a pilot learns where light comes from, and paths go there more often. Where it "
+                  "promises no gain, paths stay unguided. Unbiased: the pilot's samples are discarded",
        .takers = Takers::listed_else_refused,
        .offered = kByRender,
        .study = {"off", "on"}},
       {.name = "max-depth",
        .value = WholeValue{&S::max_depth, 0, kDeepest},
-       .meaning = "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...",
+       .meaning = "longest path in bounces. 0: emission seen directly. 1: direct light as well",
        .placeholder = "N",
        .offered = kByAll,
        .label = "bounces, most"},
       {.name = "seed",
        .value = WholeValue{&S::seed, 0, kMostSamples},
-       .meaning = "another seed gives another noise, the same seed the same bits",
+       .meaning = "seed of the random numbers. The same seed gives the same bits, another seed other noise",
        .placeholder = "N",
        .offered = kByAll,
        .label = "seed"},
       {.name = "cull",
        .value = ChoiceValue{&S::cull, kCullNames},
-       .meaning = "rays that pass single-sided surfaces from behind: those of the camera; all, so that such surfaces "
-                  "throw no shadow backwards; or none",
+       .meaning = "rays that pass through single-sided surfaces from behind. camera: those of the camera. all: all "
+                  "rays, so that such surfaces cast no shadow backwards. none: no rays",
        .offered = kByAll,
        .label = "pass backs"},
       {.name = "traversal",
        .value = ChoiceValue{&S::traversal, kTraversalNames},
-       .meaning = "rays are traced by compute kernels, or by the device's ray queries; auto: these where it has "
-                  "hardware for them. Of surfaces at the same place another may be met",
+       .meaning = "way to trace rays. compute: compute kernels. hardware: the device's ray queries. auto: hardware "
+                  "where the device has units for it. Of surfaces at the same place the two may hit different ones",
+       .group = SettingGroup::speed,
+       .advanced = true,
        .decides = Decides::nothing,
        .offered = kByAll},
       {.name = "textures",
        .value = ChoiceValue{&S::textures, kTextureFilterNames},
-       .meaning = "textures are filtered in single precision, which gives every device the same bits; or, those of 8 "
-                  "bits, by the device's samplers, whose weights have 8 bits as well, which is biased",
+       .meaning = "texture filtering. exact: single precision, with the same bits on every device. hardware: textures "
+                  "of 8 bits by the device's samplers, whose weights have 8 bits too, which is biased",
        .offered = kByAll,
        .study = {"exact", "hardware"}},
       {.name = "terminator",
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
-       .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "
-                  "and may shade hard lines where light grazes; or from the smooth surface that they stand for",
+       .meaning = "start of rays that leave a coarse mesh with smooth normals. facets: the triangles of the file, "
+                  "which may show hard lines where light grazes. smooth: the smooth surface that they stand for",
        .takers = Takers::listed_else_refused,
        .offered = kByAll},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
-       .meaning = "leave out what the scene does not need; off gives the same image, slower",
+       .meaning = "compile kernels without what the scene does not need. off gives the same image, slower",
+       .group = SettingGroup::speed,
+       .advanced = true,
        .decides = Decides::nothing,
        .offered = kByRenderAndView | kByBench},
   };
@@ -324,7 +340,7 @@ std::vector<Setting> stop_rows() {
        .offered = kByRender},
       {.name = "target-error",
        .value = PositiveValue{&S::target_error},
-       .meaning = "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached",
+       .meaning = "estimated relative RMS error to reach; 0.01 is 1 %. Exit code 3 if another limit came first",
        .placeholder = "E",
        .initial = "none",
        .group = SettingGroup::stop,
@@ -333,18 +349,20 @@ std::vector<Setting> stop_rows() {
       // Renders of several ranges are parts of one picture, so that they share its identity.
       {.name = "samples",
        .value = SpecialValue{read_samples, samples_text},
-       .meaning = "render only sample indices A <= s < B, for splitting and merging; give every part the whole's --spp",
+       .meaning = "range of sample indices A <= s < B to render, for splitting and merging. Every part needs the --spp "
+                  "of the whole",
        .placeholder = "A:B",
        .initial = "0:spp",
-       .group = SettingGroup::stop,
+       .group = SettingGroup::parts,
        .offered = kByRender,
        .identity = [](const S&) { return std::string(); }},
       {.name = "adaptive",
        .value = ChoiceValue{&S::adaptive, kAdaptiveNames, "on"},
-       .meaning = "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot is "
-                  "thrown away. auto: where that pays, in renders of 4 samples or more; never in parts of a render. "
-                  "--adaptive alone is on",
-       .group = SettingGroup::stop,
+       .meaning = "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot's "
+                  "samples are discarded. auto: on where it pays, in renders of 4 samples or more, but never in parts "
+                  "of a render. --adaptive alone means on",
+       .group = SettingGroup::decisions,
+       .advanced = true,
        .takers = Takers::listed_else_refused,
        .offered = kByRender},
   };
@@ -354,83 +372,99 @@ std::vector<Setting> special_rows() {
   std::vector<Setting> rows = {
       {.name = "first-hit",
        .value = ChoiceValue{&S::first_hit, kFirstHitNames},
-       .meaning = "what pixels see is rasterized, or found by camera rays; auto: rasterized, but traced on CPUs "
-                  "where the scene has more triangles than the picture has pixels, and on NVIDIA's Hopper "
-                  "cards, which draw slowly",
+       .meaning = "way to find what pixels see. raster: rasterization. traced: camera rays. auto: raster, but traced "
+                  "on CPUs where the scene has more triangles than the picture has pixels, and on NVIDIA's Hopper "
+                  "cards, which rasterize slowly",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .label = "first hits",
        .study = {"raster", "traced"}},
       {.name = "shadow-samples",
        .value = WholeValue{&S::shadow_samples, 1, kMostFrameRays},
-       .meaning = "light samples for every sample of a pixel, stratified",
+       .meaning = "light samples for each sample of a pixel, stratified",
        .placeholder = "N",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .label = "shadow rays",
        .study = {"1", "4", "16"}},
       {.name = "ao-samples",
        .value = WholeValue{&S::ao_samples, 1, kMostFrameRays},
-       .meaning =
-           "occlusion rays for every sample of a pixel, cosine-weighted and stratified; of --occlusion ssao points, of "
-           "hbao directions, of gtao slices",
+       .meaning = "occlusion rays for each sample of a pixel, cosine-weighted and stratified. With --occlusion ssao: "
+                  "points; hbao: directions; gtao: slices",
        .placeholder = "N",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_ignored,
        .label = "occlusion rays",
        .study = {"1", "4", "16"}},
       {.name = "ao-radius",
        .value = OptionalNumberValue{&S::ao_radius, 0.0, kFarthest},
-       .meaning = "distance from which on nothing occludes; 0 = unlimited",
+       .meaning = "distance in metres beyond which nothing occludes. 0: no limit",
        .placeholder = "METRES",
-       .initial = "a tenth of the scene's radius; ao by rays: 0",
+       .initial = "a tenth of the scene's radius; 0 for --integrator ao with rays",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_refused},
       {.name = "ambient",
        .value = RadianceValue{&S::ambient, kMostRadiance},
-       .meaning = "radiance that stands for all light of more than one bounce; --max-depth 1 leaves it out",
+       .meaning = "radiance that stands for all light of more than one bounce. --max-depth 1 leaves it out",
        .placeholder = "R,G,B",
        .initial = "hybrid: estimated from the direct light in the picture; whitted: black",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_refused},
       {.name = "branching",
        .value = ChoiceValue{&S::branching, kBranchingNames},
-       .meaning = "at mirrors and glass: follow reflection and refraction, or one of them chosen at random",
+       .meaning =
+           "rays that follow at mirrors and glass. tree: reflection and refraction. choice: one of them, at random",
+       .group = SettingGroup::others,
+       .advanced = true,
        .takers = Takers::listed_else_refused,
        .label = "branching",
        .study = {"tree", "choice"}},
       {.name = "techniques",
        .value = SpecialValue{read_techniques, techniques_text},
-       .meaning = fmt::format("ways to find light, separated by commas: {}; light that none of them finds is missing",
+       .meaning = fmt::format("ways to find light, separated by commas: {}. Light that none of them finds is missing",
                               fmt::join(kTechniqueNames, ", ")),
        .placeholder = "LIST",
        .initial = "all",
+       .group = SettingGroup::others,
+       .advanced = true,
        .takers = Takers::listed_else_refused},
       {.name = "cutoff",
        .value = NumberValue{&S::cutoff, 0.0, 1.0},
-       .meaning = "weight up to which rays are not followed; 0 = follow all",
+       .meaning = "weight up to which rays are not followed. 0: all are followed",
        .placeholder = "W",
        .initial = "0.00390625 (1/256)",
+       .group = SettingGroup::others,
+       .advanced = true,
        .takers = Takers::listed_else_refused},
       {.name = "mips",
        .value = OnOffValue{&S::mips},
-       .meaning = "frames of one sample a pixel, and those of a window while the camera moves, look textures up at mip "
-                  "levels, which keeps distant ones calm and is biased; renders of more samples never do",
+       .meaning = "mip levels of textures, in frames of one sample per pixel and in a window while the camera moves. "
+                  "They keep distant textures calm, and are biased. Renders of more samples never use them",
+       .group = SettingGroup::hybrid,
+       .advanced = true,
        .takers = Takers::listed_else_refused,
        .identity = [](const S& s) { return std::string(uses_mips(s) ? "on, for one sample"
                                                        : s.mips     ? "on"
                                                                     : "off"); }},
       {.name = "denoise",
        .value = ChoiceValue{&S::denoise, kDenoiseNames, "on"},
-       .meaning = "filter noise, which is biased: of hybrid and ao every frame, over space and time; of others the "
-                  "finished picture, which an EXR then holds as channels denoised.R,G,B beside R,G,B. oidn: by Intel's "
+       .meaning = "noise filter, which is biased. hybrid and ao filter every frame, over space and time. The others "
+                  "filter the finished picture; an EXR then holds channels denoised.R,G,B beside R,G,B. oidn: Intel's "
                   "Open Image Denoise, if it is installed",
        .placeholder = "[oidn]",
+       .group = SettingGroup::picture,
        .takers = Takers::listed_else_refused,
        .label = "denoise",
        .study = {"off", "on"},
        // Filters of finished pictures change no sum of the film.
        .identity = [](const S& s) { return std::string(s.integrator->traces_paths ? "" : kDenoiseNames[s.denoise]); }},
   };
-  for (Setting& row : rows) {
-    row.group = SettingGroup::special;
-    row.offered = kByRenderAndView;
-  }
+  for (Setting& row : rows) row.offered = kByRenderAndView;
   return rows;
 }
 

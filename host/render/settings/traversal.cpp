@@ -6,7 +6,7 @@ namespace wavepath {
 
 std::uint32_t traversal_of(const RenderPlan& settings) {
   if (settings.moving && settings.traversal == kTraversalHardware)
-    throw Error("--traversal hardware", "knows no surfaces that move while the shutter is open",
+    throw Error("--traversal hardware", "cannot trace surfaces that move while the shutter is open",
                 "use --traversal compute, or leave out --shutter");
   return settings.moving ? kTraversalCompute : settings.traversal;
 }

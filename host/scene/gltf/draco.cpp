@@ -118,7 +118,7 @@ std::optional<DracoMesh> decode_draco(Document& document, Warnings& warnings, co
     const bool elsewhere = accessor_of(index).bufferView >= 0 || accessor_of(index).sparse.isSparse;
     if (name == kIndices || elsewhere || decoded.attributes.contains(index)) continue;
     if (name == "POSITION") document.fail("its Draco data hold no positions");
-    warnings.add("attribute that its Draco data lack taken as 0");
+    warnings.add("attribute that is missing in Draco data set to 0");
   }
   return decoded;
 }

@@ -114,7 +114,7 @@ void place_instances(Import& import, std::size_t node_index, std::uint32_t mesh)
       require_copy(import, scene.meshes[mesh]);
       scene.instances.push_back({add_mesh(import, gltf::collapsed(scene.meshes[mesh], places[i])), glm::dmat4(1.0)});
     } else {
-      scene.warnings.add("instance whose scale leaves it without area left out");
+      scene.warnings.add("instance with a scale of zero area left out");
     }
   }
 }
@@ -151,7 +151,7 @@ void place_camera(Import& import, std::size_t node_index) {
     camera.aspect = source.perspective.aspectRatio;
   }
   if (!finite_point(glm::dvec3(camera.world_from_camera[3]))) {
-    import.scene.warnings.add("camera farther away than coordinates reach left out");
+    import.scene.warnings.add("camera beyond the largest coordinates left out");
     return;
   }
   const double widest = std::max({camera.xmag, camera.ymag, camera.aspect});

@@ -47,7 +47,7 @@ std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings
     return {world};
   }
   const std::size_t count = attributes.begin()->second.count;
-  if (count == 0) warnings.add("node with instances, but none of them, left out");
+  if (count == 0) warnings.add("node with zero instances left out");
   require_memory(document.file, "the instances of a node", std::uint64_t{count} * sizeof(glm::dmat4),
                  "use a machine with more memory");
   const Elements translation = attributes["TRANSLATION"], rotation = attributes["ROTATION"],

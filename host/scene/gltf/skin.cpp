@@ -27,7 +27,7 @@ std::vector<glm::dmat4> joint_matrices(Document& document, Warnings& warnings, i
   for (std::size_t i = 0; i < skin.joints.size(); ++i) {
     glm::dmat4 inverse = inverse_bind.empty() ? glm::dmat4(1.0) : glm::make_mat4(&inverse_bind[i * 16]);
     if (!std::all_of(&inverse[0][0], &inverse[0][0] + 16, [](double x) { return std::isfinite(x); })) {
-      warnings.add("inverse bind matrix that is not finite taken as one that changes nothing");
+      warnings.add("inverse bind matrix that is not finite replaced by the identity");
       inverse = glm::dmat4(1.0);
     }
     joints.push_back(world[static_cast<std::size_t>(skin.joints[i])] * inverse);

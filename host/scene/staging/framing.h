@@ -1,4 +1,4 @@
-// What the framing of a scene without a camera goes by: the outline of its geometry, and where one can stand inside.
+// Basis for the framing of a scene without a camera: the outline of its geometry, and where one can stand inside.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ Framing find_framing(const Scene& scene, bool look_inside = true);
 // The camera of a framing looks this way: at the front (+Z, as glTF has it) and its right side, from a little above.
 glm::dvec3 framing_forward();
 
-// Of the picture's height or width, whichever is less, the share that the outline fills.
+// Fraction of the picture's height or width, whichever is less, that the outline fills.
 inline constexpr double kFramedShare = 0.85;
 
 // The eye from which a camera that looks along framing_forward(), with these half extents of the image at unit

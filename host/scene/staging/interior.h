@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-// Where the camera stands in an interior, and what it looks at.
+// A place of the camera in an interior, and the point that it looks at.
 struct Standpoint {
   glm::dvec3 eye{0.0}, target{0.0, 0.0, -1.0};
   std::optional<glm::dvec3> lamp; // of an interior that no light from outside reaches: a place under its ceiling

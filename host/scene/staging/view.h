@@ -42,7 +42,7 @@ View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t 
 View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height);
 
-// Whether the view depends on the framing.
+// True if the view depends on the framing.
 bool is_framed(const Scene& scene, const ViewRequest& request);
 
 } // namespace wavepath

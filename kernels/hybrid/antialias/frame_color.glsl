@@ -10,8 +10,8 @@ layout(set = 0, binding = kFilterColorOut, std430) writeonly buffer ColorBlock {
 
 vec3 color_at(ivec2 pixel) { return texelFetch(color_in, pixel_index(pixel)).rgb; }
 
-// In [0, 1], as a display might show it: Reinhard's curve at the exposure 0, because the picture's own is not known before
-// it is done; the root stands for the transfer function.
+// In [0, 1], as a display might show it: Reinhard's curve at the exposure 0, because the picture's own is not known
+// before it is done; the root stands for the transfer function.
 float luma_at(ivec2 pixel) {
   vec3 color = color_at(pixel);
   float light = is_finite(color) ? max(luminance(color), 0.0) : 0.0;

@@ -1,5 +1,5 @@
-// Fast approximate anti-aliasing (Lottes 2009): a pixel on an edge takes from its neighbour across the edge, the more the
-// nearer the edge's end is; by contrast alone, in one pass.
+// Fast approximate anti-aliasing (Lottes 2009): a pixel on an edge takes from its neighbour across the edge, the more
+// the nearer the edge's end is; by contrast alone, in one pass.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

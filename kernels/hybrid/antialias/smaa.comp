@@ -1,6 +1,6 @@
-// The second pass of SMAA (Jimenez et al. 2012): follows each edge to both ends, takes the line that the steps there stand
-// for (Reshetov 2009), and blends by the area that it cuts off. The area is computed, not looked up; diagonals and corners
-// have no patterns of their own.
+// The second pass of SMAA (Jimenez et al. 2012): follows each edge to both ends, takes the line that the steps there
+// stand for (Reshetov 2009), and blends by the area that it cuts off. The area is computed, not looked up; diagonals
+// and corners have no patterns of their own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,8 +11,8 @@ const int kFarthest = 32; // pixels along an edge to either end
 
 bool has_edge(ivec2 pixel, uint which) { return in_picture(pixel) && (edges[pixel_index(pixel)] & which) != 0u; }
 
-// Height of the line at an end of the edge between `pixel` and pixel + back, in pixels towards `back`: half a pixel to the
-// side on which another edge crosses, 0 where none does, or two. `boundary`: the pixel behind the end.
+// Height of the line at an end of the edge between `pixel` and pixel + back, in pixels towards `back`: half a pixel to
+// the side on which another edge crosses, 0 where none does, or two. `boundary`: the pixel behind the end.
 float height_at(ivec2 boundary, ivec2 back, uint crossing) {
   bool beyond = has_edge(boundary + back, crossing), here = has_edge(boundary, crossing);
   return beyond == here ? 0.0 : beyond ? 0.5 : -0.5;

@@ -1,4 +1,5 @@
-// The first pass of SMAA (Jimenez et al. 2012): where neighbours differ in brightness, unless a stronger edge beside hides it.
+// The first pass of SMAA (Jimenez et al. 2012): where neighbours differ in brightness, unless a stronger edge beside
+// hides it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

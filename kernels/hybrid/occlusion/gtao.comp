@@ -1,6 +1,6 @@
-// Ground-truth ambient occlusion (Jimenez, Wu, Pesce and Jarabo 2016, "Practical Real-Time Strategies for Accurate Indirect
-// Occlusion"): the cosine-weighted visibility of slices through the direction to the eye, each between two horizons, whose
-// integral is exact.
+// Ground-truth ambient occlusion (Jimenez, Wu, Pesce and Jarabo 2016, "Practical Real-Time Strategies for Accurate
+// Indirect Occlusion"): the cosine-weighted visibility of slices through the direction to the eye, each between two
+// horizons, whose integral is exact.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -9,8 +9,8 @@
 // From this share of the radius on what is seen counts less, down to nothing.
 const float kFullReach = 0.8;
 
-// Cosine of the angle between the direction to the eye and the horizon towards `direction`; at least `lowest`, that of the
-// tangent plane.
+// Cosine of the angle between the direction to the eye and the horizon towards `direction`; at least `lowest`, that of
+// the tangent plane.
 float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
   Way way = way_of(receiver, direction);
   float horizon = lowest;
@@ -29,7 +29,8 @@ float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
 // The integral of cos(angle - normal) * |sin(angle)| from 0 to `angle`, without the term that does not depend on it.
 float arc(float angle, float normal) { return 0.25 * (2.0 * angle * sin(normal) - cos(2.0 * angle - normal)); }
 
-// What a horizon takes from a side of its slice (1 or -1): nothing, to the last bit, where it is that of the tangent plane.
+// What a horizon takes from a side of its slice (1 or -1): nothing, to the last bit, where it is that of the tangent
+// plane.
 float taken(float side, float cosine, float lowest, float normal) {
   if (!(cosine > lowest)) return 0.0;
   return arc(normal + side * 0.5 * kPi, normal) - arc(side * acos_exact(cosine), normal);
@@ -53,7 +54,7 @@ void main() {
     sum += weight * (taken(1.0, horizon_cosine(receiver, direction, u.y, -low), -low, normal) +
                      taken(-1.0, horizon_cosine(receiver, -direction, u.y, low), low, normal));
   }
-  // What is open of all slices is 1 in the mean, but not of each: taking what is occluded from 1 is the same integral, free
-  // of noise where nothing is occluded. Of few slices the difference may be below 0.
+  // What is open of all slices is 1 in the mean, but not of each: taking what is occluded from 1 is the same integral,
+  // free of noise where nothing is occluded. Of few slices the difference may be below 0.
   signals[receiver.place].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
 }

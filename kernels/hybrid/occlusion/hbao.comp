@@ -5,8 +5,8 @@
 
 #include "kernels/hybrid/occlusion/screen.glsl"
 
-// Sine of the elevation of the tangent plane over the plane at right angles to the view, towards `direction`, lifted by the
-// bias angle.
+// Sine of the elevation of the tangent plane over the plane at right angles to the view, towards `direction`, lifted by
+// the bias angle.
 float sine_of_tangent(Receiver receiver, vec3 direction) {
   float facing = max(dot(receiver.normal, receiver.to_eye), 1e-4);
   float elevation = atan2_exact(-dot(receiver.normal, direction), facing) + hybrid.ao_bias;

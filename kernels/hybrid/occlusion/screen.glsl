@@ -1,5 +1,5 @@
-// What techniques of occlusion in screen space share: the pixel of an invocation, what the G-buffer of the frame shows at
-// a place in the picture, and how a direction in space runs across it. They know no surface but those seen.
+// What techniques of occlusion in screen space share: the pixel of an invocation, what the G-buffer of the frame shows
+// at a place in the picture, and how a direction in space runs across it. They know no surface but those seen.
 #ifndef WAVEPATH_SCREEN_GLSL
 #define WAVEPATH_SCREEN_GLSL
 
@@ -87,8 +87,9 @@ float depth_of(ivec2 pixel) {
 }
 
 // The surface seen at `place`, relative to the receiver; false where nothing is seen. Between four pixels whose depths
-// make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes; elsewhere
-// it is the pixel's own point. One surface: depths within 16 widths of a pixel, which is a slope of 86 degrees.
+// make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes;
+// elsewhere it is the pixel's own point. One surface: depths within 16 widths of a pixel, which is a slope of 86
+// degrees.
 bool surface_at(Receiver receiver, vec2 place, out vec3 offset) {
   ivec2 corner = clamp(ivec2(floor(place - 0.5)), ivec2(0), max(ivec2(picture_size()) - 2, 0));
   vec4 depths = vec4(depth_of(corner), depth_of(corner + ivec2(1, 0)), depth_of(corner + ivec2(0, 1)),

@@ -1,6 +1,6 @@
-// Occlusion as the share of a ball around the point that lies behind what the depth buffer shows (Mittring 2007, "Finding
-// Next Gen: CryEngine 2"). The ball is whole: half of it lies in the surface itself, so that a plane is 0.5, and an edge
-// that sticks out is brighter than the plane.
+// Occlusion as the share of a ball around the point that lies behind what the depth buffer shows (Mittring 2007,
+// "Finding Next Gen: CryEngine 2"). The ball is whole: half of it lies in the surface itself, so that a plane is 0.5,
+// and an edge that sticks out is brighter than the plane.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,8 +20,9 @@ void main() {
   uint behind = 0u;
   for (uint i = 0u; i < hybrid.ao_samples; ++i) {
     Sampler point_sampler = occlusion_sampler(receiver.place, i);
+    // The cube root makes points uniform in the ball.
     float distance_ = hybrid.ao_radius * pow(sample_2d(point_sampler, kDimensionOcclusionDistance).x, 1.0 / 3.0);
-    vec3 direction = warp_uniform_sphere(sample_2d(point_sampler, kDimensionOcclusion)); // so that it is uniform in the ball
+    vec3 direction = warp_uniform_sphere(sample_2d(point_sampler, kDimensionOcclusion));
     if (is_behind(receiver, receiver.position + distance_ * direction)) ++behind;
   }
   signals[receiver.place].w = 1.0 - float(behind) / float(hybrid.ao_samples);

@@ -1,5 +1,5 @@
-// Blinn's highlights (1977): by the cosine between the normal and the half vector, scaled so that the lobe keeps its light
-// whatever its width (Akenine-Moeller et al., Real-Time Rendering, section 9.8.1: (n + 8) / 8 pi).
+// Blinn's highlights (1977): by the cosine between the normal and the half vector, scaled so that the lobe keeps its
+// light whatever its width (Akenine-Moeller et al., Real-Time Rendering, section 9.8.1: (n + 8) / 8 pi).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

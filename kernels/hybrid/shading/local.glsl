@@ -2,8 +2,9 @@
 // all light comes by one light sample and its shadow ray. A kernel defines SHINES if its model has highlights, includes
 // this, and defines reflected().
 //
-// Colours are those of the glTF material: diffuse * (1 - metallic), and F0 of the highlights; a model without highlights
-// has the base colour alone, of metal too. Emission, unlit surfaces and the environment behind all are as ever.
+// Colours are those of the glTF material: diffuse * (1 - metallic), and F0 of the highlights; a model without
+// highlights has the base colour alone, of metal too. Emission, unlit surfaces and the environment behind all are as
+// ever.
 #ifndef WAVEPATH_LOCAL_GLSL
 #define WAVEPATH_LOCAL_GLSL
 
@@ -103,7 +104,8 @@ float cue_share(float depth) {
 }
 
 // Diffuse and highlight that a point of the light brings to a place, of white surfaces.
-mat2x3 lit_place(Ray ray, Hit at, Material material, bool front, vec3 seen_normal, float exponent, uint light, uvec2 u) {
+mat2x3 lit_place(Ray ray, Hit at, Material material, bool front, vec3 seen_normal, float exponent, uint light,
+                 uvec2 u) {
   Surface surface = fetch_surface(at);
   vec3 wo = is_orthographic() ? -ray.direction : safe_normalize(ray.origin - surface.position, -ray.direction);
   vec3 n = place_normal(surface, material, front, wo, seen_normal);
@@ -115,9 +117,10 @@ mat2x3 lit_place(Ray ray, Hit at, Material material, bool front, vec3 seen_norma
   return mat2x3(irradiance * share.x, irradiance * share.y);
 }
 
-// Next-event estimation: true if there is a shadow ray worth tracing. The ray leaves from the point that is seen, wherever
-// light is evaluated; what faces away from the light is in its own shadow.
-bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool front, float share, out ShadowRay shadow) {
+// Next-event estimation: true if there is a shadow ray worth tracing. The ray leaves from the point that is seen,
+// wherever light is evaluated; what faces away from the light is in its own shadow.
+bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool front, float share,
+                      out ShadowRay shadow) {
   vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 normal = shading_normal(surface, material, front, -ray.direction);
   Paint paint = paint_of(surface, material, front);
@@ -150,8 +153,8 @@ bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool
   return true;
 }
 
-// Light that reaches the eye without a bounce, for all light samples of the frame, and the surface's part in the ambient
-// term.
+// Light that reaches the eye without a bounce, for all light samples of the frame, and the surface's part in the
+// ambient term.
 void see(uint slot, vec3 radiance, float ambient) {
   if (slot >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(slot);
@@ -176,7 +179,8 @@ bool shade(Ray ray, Hit hit, out ShadowRay shadow) {
   bool front = dot(surface.geometric_normal, ray.direction) <= 0.0;
   bool unlit = has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u;
   float share = cue_share(dot(offset, frame.camera_forward));
-  vec3 emitted = unlit ? base_color(material, surface.uv, surface.color).rgb : surface_emission(surface, material, front);
+  vec3 emitted =
+      unlit ? base_color(material, surface.uv, surface.color).rgb : surface_emission(surface, material, front);
   // Unlit surfaces take the ambient term no more than path tracing gives them light of a second bounce.
   see(ray.slot, share * emitted + (1.0 - share) * background, unlit ? 0.0 : share);
   if (unlit || share == 0.0 || frame.max_depth == 0u || frame.light_count == 0u) return false;

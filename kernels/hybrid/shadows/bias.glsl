@@ -1,13 +1,13 @@
-// Keeps surfaces from shading themselves: a texel of a map stands for an area of a surface, of which it knows one depth.
-// Include look_up.glsl first.
+// Keeps surfaces from shading themselves: a texel of a map stands for an area of a surface, of which it knows one
+// depth. Include look_up.glsl first.
 #ifndef WAVEPATH_SHADOW_BIAS_GLSL
 #define WAVEPATH_SHADOW_BIAS_GLSL
 
 const float kSteepest = 64.0;      // metres of depth for a metre across, up to which depth is offset by slope
 const float kDepthRounding = 4e-6; // of a view's depth: maps hold floats, computed from floats
 
-// Metres that the receiver's own plane falls back from the light over a metre across the view, at most kSteepest. Maps hold
-// depths along the view's axis, so that it is the axis, not the ray, against which a plane slopes.
+// Metres that the receiver's own plane falls back from the light over a metre across the view, at most kSteepest. Maps
+// hold depths along the view's axis, so that it is the axis, not the ray, against which a plane slopes.
 float plane_slope(Receiver r) {
   bool is_radial = r.view.kind == kViewParaboloid;
   vec3 axis = is_radial ? -r.to_light : normalize(r.view.depth.xyz);
@@ -43,8 +43,8 @@ float plane_depth(Receiver r, vec2 place) {
   return depth > 0.0 ? clamp(depth, r.depth - reach, r.depth + reach) : r.depth;
 }
 
-// The depth up to which a map's surface, seen at a place of the view, is taken for the receiver itself; `reach`: how many
-// texels away from the receiver at most the map has sampled it.
+// The depth up to which a map's surface, seen at a place of the view, is taken for the receiver itself; `reach`: how
+// many texels away from the receiver at most the map has sampled it.
 float unshadowed_depth(Receiver r, vec2 place, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;

@@ -3,8 +3,8 @@
 #ifndef WAVEPATH_SHADOW_BOUNDS_GLSL
 #define WAVEPATH_SHADOW_BOUNDS_GLSL
 
-// Smallest variance (Donnelly and Lauritzen 2006), as a share of the second moment: what rounding of filtered moments may
-// take away from it.
+// Smallest variance (Donnelly and Lauritzen 2006), as a share of the second moment: what rounding of filtered moments
+// may take away from it.
 const float kLeastVariance = 1e-6;
 const float kMomentBias = 3e-6, kMomentBias16 = 6e-5; // towards a distribution that no rounding takes out of reach
 
@@ -26,8 +26,8 @@ float exponential_bound(vec4 moments, float depth, float exponent) {
   return min(moments.x * exp(-0.5 * exponent * depth), 1.0);
 }
 
-// Two warps (Lauritzen and McCool 2008): one stretches what is far and presses what is near together, the other one does
-// the opposite.
+// Two warps (Lauritzen and McCool 2008): one stretches what is far and presses what is near together, the other one
+// does the opposite.
 const float kNegativeExponent = 10.0;
 vec2 warp_depth(float depth, float exponent) {
   return vec2(exp(0.5 * exponent * depth), -exp(-0.5 * min(exponent, kNegativeExponent) * depth));
@@ -50,7 +50,8 @@ vec4 four_moments(float depth) {
 // moment problem). Of all distributions with these moments, the one with a part at `depth` and two others has it.
 float hamburger(vec4 moments, float depth, float bias) {
   vec4 b = mix(moments, vec4(0.0, 0.375, 0.0, 0.375), bias);
-  // Cholesky's decomposition of the Hankel matrix (1 b0 b1; b0 b1 b2; b1 b2 b3), which solves it for (1, depth, depth^2).
+  // Cholesky's decomposition of the Hankel matrix (1 b0 b1; b0 b1 b2; b1 b2 b3), which solves it for (1, depth,
+  // depth^2).
   float l21 = b.x, d22 = b.y - b.x * b.x, l32_d22 = b.z - b.x * b.y;
   float l32 = l32_d22 / d22, d33 = max(b.w - b.y * b.y - l32_d22 * l32, 1e-12);
   vec3 c = vec3(1.0, depth, depth * depth);

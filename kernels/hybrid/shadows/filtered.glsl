@@ -16,8 +16,8 @@ vec4 filtered_at(Receiver r) {
   return mix(above, below, part.y);
 }
 
-// The receiver's own, as unit_depth() has it. Wherever it is flat, filtered depths are on average those of its plane at the
-// place itself: a bound from their mean takes no bias for a slope.
+// The receiver's own, as unit_depth() has it. Wherever it is flat, filtered depths are on average those of its plane at
+// the place itself: a bound from their mean takes no bias for a slope.
 float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.place, 0.0)); }
 
 // For bounds that the spread of the receiver's own depths in the filter lowers: in front of them all.

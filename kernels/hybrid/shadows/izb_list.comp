@@ -1,7 +1,8 @@
 // Puts the shadow rays of a wave into lists, by the cell of their light's view that they start in.
 //
 // A ray that aims past its light, or starts where rounding moves it by more than half a cell, is in no list and will be
-// traced: cover_cells() of host/integrators/hybrid/shadows/light_cells.h grows triangles by as much as the others may be off.
+// traced: cover_cells() of host/integrators/hybrid/shadows/light_cells.h grows triangles by as much as the others may
+// be off.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
-// Tests triangles with the shadow rays that are listed in the cells that they cover (Johnson et al. 2005; Aila and Laine
-// 2004; Wyman et al. 2015), by the arithmetic and the rules that tracing has for any hit. Lists are in no order, and the
-// result does not depend on one: a ray is blocked or it is not, and what surfaces take from it are integers.
+// Tests triangles with the shadow rays that are listed in the cells that they cover (Johnson et al. 2005; Aila and
+// Laine 2004; Wyman et al. 2015), by the arithmetic and the rules that tracing has for any hit. Lists are in no order,
+// and the result does not depend on one: a ray is blocked or it is not, and what surfaces take from it are integers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

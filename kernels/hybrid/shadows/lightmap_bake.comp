@@ -1,6 +1,7 @@
-// Bakes a lightmap: for every texel the share of a source's light that arrives at the point that the texel stands for, by
-// the rays that paths would send from there.
-// Push constant: first_pixel = first texel of this dispatch, row by row, pixel_count = how many, sample_count = the source.
+// Bakes a lightmap: for every texel the share of a source's light that arrives at the point that the texel stands for,
+// by the rays that paths would send from there.
+// Push constant: first_pixel = first texel of this dispatch, row by row, pixel_count = how many, sample_count = the
+// source.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -49,7 +50,8 @@ void main() {
       // A point of a sphere is as bright from afar as its surface faces that way.
       float brightness = 1.0;
       if (points.w != 0.0) {
-        vec3 normal = point.xyz - texelFetch(lightmap_points, int(first + count)).xyz, to_texel = surface.position - point.xyz;
+        vec3 normal = point.xyz - texelFetch(lightmap_points, int(first + count)).xyz,
+             to_texel = surface.position - point.xyz;
         brightness = max(dot(normal, to_texel) / (length(normal) * length(to_texel)), 0.0);
       }
       vec2 side = brightness * vec2(front, !front);

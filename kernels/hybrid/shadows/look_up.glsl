@@ -1,5 +1,5 @@
-// Answers the shadow rays of a frame that go to lights with views: the path gains the share of the light that lit_share()
-// tells, and nothing is left for the ray to bring. A kernel defines lit_share() after this.
+// Answers the shadow rays of a frame that go to lights with views: the path gains the share of the light that
+// lit_share() tells, and nothing is left for the ray to bring. A kernel defines lit_share() after this.
 #ifndef WAVEPATH_LOOK_UP_GLSL
 #define WAVEPATH_LOOK_UP_GLSL
 

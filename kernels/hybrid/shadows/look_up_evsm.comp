@@ -1,4 +1,5 @@
-// An exponential variance shadow map (Lauritzen and McCool 2008): the tighter of the bounds that two warps of depth give.
+// An exponential variance shadow map (Lauritzen and McCool 2008): the tighter of the bounds that two warps of depth
+// give.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

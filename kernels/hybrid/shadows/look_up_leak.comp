@@ -1,5 +1,5 @@
-// Leak tracing (Kern, Bruell and Grosch 2024): a map and what filters make of it answer where they agree beyond doubt; where
-// an edge is near, or light may leak, the ray is traced.
+// Leak tracing (Kern, Bruell and Grosch 2024): a map and what filters make of it answer where they agree beyond doubt;
+// where an edge is near, or light may leak, the ray is traced.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

@@ -37,5 +37,6 @@ void main() {
   Hit hit = fetch_hit(ray.slot);
   uvec2 chart = fetch_chart(hit.triangle, hit.instance);
   if (chart.x == kNone) return; // no surface of the scene's own: traced
-  answer_shadow_ray(index, ray, share_between(source, place_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
+  answer_shadow_ray(index, ray,
+                    share_between(source, place_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
 }

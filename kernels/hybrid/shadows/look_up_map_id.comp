@@ -1,6 +1,6 @@
-// A map of triangles instead of depths (after Hourcade and Nicolas 1985): what the light sees at a texel is the receiver
-// itself, or it is in the way. Nothing needs a bias; triangles that share a corner count as one, so that a convex body does
-// not shade itself, and light leaks along the edges that bodies share.
+// A map of triangles instead of depths (after Hourcade and Nicolas 1985): what the light sees at a texel is the
+// receiver itself, or it is in the way. Nothing needs a bias; triangles that share a corner count as one, so that a
+// convex body does not shade itself, and light leaks along the edges that bodies share.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

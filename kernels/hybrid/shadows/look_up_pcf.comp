@@ -1,4 +1,5 @@
-// Percentage-closer filtering (Reeves, Salesin and Cook 1987): the share of comparisons around the place that find light.
+// Percentage-closer filtering (Reeves, Salesin and Cook 1987): the share of comparisons around the place that find
+// light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,5 +1,5 @@
-// Percentage-closer soft shadows (Fernando 2005): the mean depth of what blocks the light tells how wide the penumbra is, as
-// if all of it were one plane parallel to the light.
+// Percentage-closer soft shadows (Fernando 2005): the mean depth of what blocks the light tells how wide the penumbra
+// is, as if all of it were one plane parallel to the light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -29,8 +29,8 @@ float lit_share(Receiver r) {
   float width = texel_width(r.view, r.depth);
   float blockers = blocker_depth(r, r.view.radius * (r.depth - r.view.near) / r.depth / width);
   if (blockers == 0.0) return 1.0;
-  // Similar triangles; half of the penumbra's width, in texels at the receiver's depth. A grid is a square, and stands for
-  // the one of the disc's area: half of its side is sqrt(pi) / 2 of the radius.
+  // Similar triangles; half of the penumbra's width, in texels at the receiver's depth. A grid is a square, and stands
+  // for the one of the disc's area: half of its side is sqrt(pi) / 2 of the radius.
   float radius = r.view.radius * (r.depth - blockers) / blockers / width;
   if (shadow.pattern == kPatternGrid) radius *= 0.886227;
   return lit_taps(r, radius);

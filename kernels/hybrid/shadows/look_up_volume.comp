@@ -1,5 +1,5 @@
-// Answers the shadow rays of a frame from how many shadow volumes their pixel's point lies in. Where its depth is not known,
-// as at edges that were seen from elsewhere in the pixel, rays are left to be traced.
+// Answers the shadow rays of a frame from how many shadow volumes their pixel's point lies in. Where its depth is not
+// known, as at edges that were seen from elsewhere in the pixel, rays are left to be traced.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

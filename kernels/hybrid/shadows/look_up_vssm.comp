@@ -1,7 +1,7 @@
-// Variance soft shadow maps (Yang et al. 2010): as percentage-closer soft shadows, with what mean and variance of the depths
-// in a box tell in place of comparisons. A summed-area table has both for boxes of any size. ShadowFrame::taps cuts a box
-// into a grid of smaller ones, which reveals more of what is in front of surfaces beside the receiver that are farther
-// away than that.
+// Variance soft shadow maps (Yang et al. 2010): as percentage-closer soft shadows, with what mean and variance of the
+// depths in a box tell in place of comparisons. A summed-area table has both for boxes of any size. ShadowFrame::taps
+// cuts a box into a grid of smaller ones, which reveals more of what is in front of surfaces beside the receiver that
+// are farther away than that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,7 +13,8 @@
 
 const float kHalfSide = 0.8862269; // of the square that has the area of a disc of radius 1
 
-// A box around the receiver: the share of it that leaves the receiver lit; sum over what does not, of depth and of weight.
+// A box around the receiver: the share of it that leaves the receiver lit; sum over what does not, of depth and of
+// weight.
 struct Shade {
   float lit, depth, weight;
 };
@@ -34,8 +35,8 @@ Shade shade_of_box(Receiver r, float half_side) {
       continue;
     }
     shade.lit += variance / (variance + away * away);
-    // What is lit is taken to be on the receiver's plane. Then the mean is that of what is not, and a bias would only spoil
-    // the estimate of how much that is.
+    // What is lit is taken to be on the receiver's plane. Then the mean is that of what is not, and a bias would only
+    // spoil the estimate of how much that is.
     float dark = moments.x * moments.x / (variance + moments.x * moments.x);
     shade.weight += dark;
     shade.depth += dark * depth + moments.x * step_;

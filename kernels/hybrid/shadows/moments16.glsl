@@ -1,5 +1,5 @@
-// Four moments of depths from -1 to 1 in 16 bits each: turned first so that they fill what the bits can tell apart (Peters,
-// Muenstermann, Wetzstein and Klein 2017). Quantised values are held as floats.
+// Four moments of depths from -1 to 1 in 16 bits each: turned first so that they fill what the bits can tell apart
+// (Peters, Muenstermann, Wetzstein and Klein 2017). Quantised values are held as floats.
 #ifndef WAVEPATH_SHADOW_MOMENTS16_GLSL
 #define WAVEPATH_SHADOW_MOMENTS16_GLSL
 

@@ -11,7 +11,8 @@ layout(set = 0, binding = kBindPlanarPairs) uniform samplerBuffer planar_pairs;
 
 PlanarPair fetch_planar_pair(uint index) {
   int texel = int(index * kPlanarPairTexels);
-  vec4 a = texelFetch(planar_pairs, texel), b = texelFetch(planar_pairs, texel + 1), c = texelFetch(planar_pairs, texel + 2);
+  vec4 a = texelFetch(planar_pairs, texel), b = texelFetch(planar_pairs, texel + 1),
+       c = texelFetch(planar_pairs, texel + 2);
   return PlanarPair(a.xyz, a.w, b.xyz, b.w, c.x, c.y, floatBitsToUint(c.z), 0u);
 }
 
@@ -33,8 +34,8 @@ bool is_of_plane(PlanarPair pair, uint triangle, uint instance) {
 }
 
 #ifdef BIND_RECEIVER_PLANES
-// Whether the triangle lies in one of the planes that shadows fall on, all that the buffer of pairs has. What lies in none
-// of them casts.
+// Whether the triangle lies in one of the planes that shadows fall on, all that the buffer of pairs has. What lies in
+// none of them casts.
 bool is_receiver(uint triangle, uint instance) {
   uint count = fetch_planar_pair(0u).source; // textureSize() is wrong in vertex shaders of Mesa 22.3
   for (uint i = 0u; i < count; ++i)

@@ -17,7 +17,8 @@ uvec4 sat_at(Sat sat, ivec2 corner) {
 }
 
 // Mean of (depth - about) and of its square over the box between two places at least a texel apart, in steps. Texels at
-// its edges count by the part of them that is inside: of three strips along each axis, the outer ones are one texel wide.
+// its edges count by the part of them that is inside: of three strips along each axis, the outer ones are one texel
+// wide.
 vec2 box_about(Sat sat, vec2 lo, vec2 hi, uint about) {
   float size = float(sat.size);
   hi = clamp(hi, vec2(1.0), vec2(size));

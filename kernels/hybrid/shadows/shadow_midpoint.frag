@@ -1,5 +1,5 @@
-// Writes the middle between the nearest surface of a texel, which the map holds already, and the next one behind it (Woo
-// 1992): a depth that is far from both, so that neither shades itself. What has nothing behind it shades nothing.
+// Writes the middle between the nearest surface of a texel, which the map holds already, and the next one behind it
+// (Woo 1992): a depth that is far from both, so that neither shades itself. What has nothing behind it shades nothing.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
 // A shadow map by tracing one ray through the centre of every texel: what rasterization is held against.
-// Push constant: first_pixel = first texel within the view, pixel_count = how many, sample_count = the view, first_sample = 1 where
-// ids are wanted.
+// Push constant: first_pixel = first texel within the view, pixel_count = how many, sample_count = the view,
+// first_sample = 1 where ids are wanted.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -17,5 +17,6 @@ void main() {
   uint texel = wave.first_pixel + gl_GlobalInvocationID.x;
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint first = fetch_shadow_view(wave.sample_count).first_texel;
-  trace_texel(wave.sample_count, uvec2(texel % shadow.size, texel / shadow.size), first + texel, wave.first_sample != 0u);
+  trace_texel(wave.sample_count, uvec2(texel % shadow.size, texel / shadow.size), first + texel,
+              wave.first_sample != 0u);
 }

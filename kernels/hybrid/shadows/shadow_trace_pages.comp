@@ -1,5 +1,5 @@
-// The resident pages of virtual shadow maps by tracing, as shadow_trace.comp does. Push constant: first_pixel = first texel,
-// counted over all resident pages, pixel_count = how many.
+// The resident pages of virtual shadow maps by tracing, as shadow_trace.comp does. Push constant: first_pixel = first
+// texel, counted over all resident pages, pixel_count = how many.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -17,7 +17,8 @@ void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint word = wave.first_pixel + gl_GlobalInvocationID.x, within = word % (kShadowPage * kShadowPage);
   uint view_pages = pages_across() * pages_across();
-  uint page = page_words[shadow.view_count * view_pages + word / (kShadowPage * kShadowPage)], place = page % view_pages;
+  uint page = page_words[shadow.view_count * view_pages + word / (kShadowPage * kShadowPage)],
+       place = page % view_pages;
   uvec2 texel = uvec2(place % pages_across(), place / pages_across()) * kShadowPage +
                 uvec2(within % kShadowPage, within / kShadowPage);
   if (all(lessThan(texel, uvec2(shadow.size)))) trace_texel(page / view_pages, texel, word, false);

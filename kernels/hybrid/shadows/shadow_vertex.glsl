@@ -1,5 +1,5 @@
-// Places the corners of every triangle in a light's view, for vertex shaders. They are read from where traversal reads them.
-// A shader that defines BIND_RECEIVER_PLANES draws casters alone: what lies in none of these planes.
+// Places the corners of every triangle in a light's view, for vertex shaders. They are read from where traversal reads
+// them. A shader that defines BIND_RECEIVER_PLANES draws casters alone: what lies in none of these planes.
 #ifndef WAVEPATH_SHADOW_VERTEX_GLSL
 #define WAVEPATH_SHADOW_VERTEX_GLSL
 

@@ -56,8 +56,8 @@ uvec2 page_of(ivec2 texel) { return uvec2(clamp(texel, ivec2(0), ivec2(shadow.si
 // Metres across a texel at a depth, of a view that is not warped.
 float texel_width(ShadowView v, float depth) { return v.kind == kViewParallel ? v.texel : v.texel * depth; }
 
-// Metres across a texel of a warped view at a point, across the light: the longer side or, of those that are askew, what
-// a square of the same diagonal has.
+// Metres across a texel of a warped view at a point, across the light: the longer side or, of those that are askew,
+// what a square of the same diagonal has.
 float warped_texel(ShadowView v, vec3 p) {
   vec4 h = view_position(v, p);
   vec3 x = (v.x.xyz - h.x / h.w * v.w.xyz) / h.w, y = (v.y.xyz - h.y / h.w * v.w.xyz) / h.w; // gradients
@@ -67,7 +67,8 @@ float warped_texel(ShadowView v, vec3 p) {
   return 2.0 / float(shadow.size) * max(max(length(a), length(b)), 0.70710678 * diagonal);
 }
 
-// The point that three planes have in common, each dot(plane, (p, 1)) = 0, by Cramer's rule; infinite where they have none.
+// The point that three planes have in common, each dot(plane, (p, 1)) = 0, by Cramer's rule; infinite where they have
+// none.
 vec3 common_point(vec4 a, vec4 b, vec4 c) {
   vec3 bc = cross(b.xyz, c.xyz), ca = cross(c.xyz, a.xyz), ab = cross(a.xyz, b.xyz);
   return -(a.w * bc + b.w * ca + c.w * ab) / dot(a.xyz, bc);

@@ -1,5 +1,5 @@
-// The layer that was found for a pixel, for kernels that go over the frame: push constant: first_pixel = the first one, row by
-// row from the top left, pixel_count = how many, bounce = the pass, sample_count = how many passes there are.
+// The layer that was found for a pixel, for kernels that go over the frame: push constant: first_pixel = the first one,
+// row by row from the top left, pixel_count = how many, bounce = the pass, sample_count = how many passes there are.
 #ifndef WAVEPATH_FOUND_LAYER_GLSL
 #define WAVEPATH_FOUND_LAYER_GLSL
 

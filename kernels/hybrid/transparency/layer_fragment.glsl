@@ -27,8 +27,8 @@ struct Fragment {
   float depth; // along the view axis
 };
 
-// False where there is nothing to be seen of it. What lies in the plane of an opaque surface is in front of that, as it is
-// for rays that pass through it at random where its triangle comes first.
+// False where there is nothing to be seen of it. What lies in the plane of an opaque surface is in front of that, as it
+// is for rays that pass through it at random where its triangle comes first.
 bool is_in_front(out Fragment f) {
   if (CULLS_BACKS && (hidden_sides & (gl_FrontFacing ? 2u : 1u)) != 0u) return false;
   f.pixel = uvec2(gl_FragCoord.xy);

@@ -1,6 +1,7 @@
-// What is seen through the nearest transmitting surface, from the opaque picture alone: the ray is bent where it enters a body
-// and where it leaves it, whose place the picture of the next surface behind tells (after Wyman 2005); then it goes on to the
-// depth that the opaque picture has where it arrives. Beyond the picture's rim, and where it is empty, is the environment.
+// What is seen through the nearest transmitting surface, from the opaque picture alone: the ray is bent where it enters
+// a body and where it leaves it, whose place the picture of the next surface behind tells (after Wyman 2005); then it
+// goes on to the depth that the opaque picture has where it arrives. Beyond the picture's rim, and where it is empty,
+// is the environment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -30,7 +31,8 @@ uint place_of(vec2 at) { return uint(at.y) * frame.width + uint(at.x); }
 
 // Radiance along a ray, and how far away it comes from.
 vec3 seen_along(vec3 origin, vec3 direction, out float along) {
-  float facing = dot(direction, frame.camera_forward), start = dot(origin - frame.camera_position, frame.camera_forward), pdf;
+  float facing = dot(direction, frame.camera_forward),
+        start = dot(origin - frame.camera_position, frame.camera_forward), pdf;
   float depth;
   vec2 at = shown_at(origin, depth);
   along = kFarAlong;
@@ -53,8 +55,9 @@ Surface next_surface(uvec2 pixel) {
   return fetch_surface(hit_of_triangle(placed.x, placed.y, eye, towards));
 }
 
-// A ray inside a body leaves it where it meets the plane of the surface that comes next behind the pixel; then of that behind
-// the pixel where it got to, for bodies that are round. What it meets nowhere near is as far away as straight behind.
+// A ray inside a body leaves it where it meets the plane of the surface that comes next behind the pixel; then of that
+// behind the pixel where it got to, for bodies that are round. What it meets nowhere near is as far away as straight
+// behind.
 void leave_body(uvec2 pixel, Vertex entry, inout vec3 origin, inout vec3 direction, inout vec3 weight) {
   Surface surface;
   float deep = 0.0;
@@ -69,7 +72,8 @@ void leave_body(uvec2 pixel, Vertex entry, inout vec3 origin, inout vec3 directi
   }
   origin += deep * direction;
   weight *= exp(-entry.material.attenuation * deep);
-  vec3 normal = shading_normal(surface, fetch_material(surface.material), dot(surface.geometric_normal, direction) <= 0.0, -direction);
+  vec3 normal = shading_normal(surface, fetch_material(surface.material),
+                               dot(surface.geometric_normal, direction) <= 0.0, -direction);
   Interface inside = make_interface(entry.bsdf.ior, entry.bsdf.specular_color, entry.bsdf.specular, false);
   float c = dot(-direction, normal);
   vec3 outside;
@@ -90,7 +94,8 @@ vec3 refracted(uint first, uint place) {
   Lobes l = lobes_of(v.bsdf, wo);
   vec3 mirror = vec3(0.0, 0.0, 1.0), facet = mirror;
   if (!l.delta_reflection)
-    facet = sample_facet(v.bsdf, wo, sample_2d(hybrid_sampler(pixel), bounce_dimension(kLayerBounce) + kDimensionDirection));
+    facet = sample_facet(v.bsdf, wo,
+                         sample_2d(hybrid_sampler(pixel), bounce_dimension(kLayerBounce) + kDimensionDirection));
   float along;
   if (l.delta_reflection) {
     vec3 reflected = 2.0 * dot(wo, mirror) * mirror - wo;

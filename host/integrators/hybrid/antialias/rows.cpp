@@ -1,4 +1,6 @@
 // The rows of the table of settings: values and meaning of what can be set about anti-aliasing.
+#include <span>
+
 #include <fmt/format.h>
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
@@ -7,14 +9,15 @@ namespace wavepath {
 
 std::vector<Setting> antialias_rows() {
   static const std::vector<std::string_view> names = kAntialiasTechniques.names();
-  return {{.name = "antialias",
-           .value = ChoiceValue{&RenderSettings::antialias, names},
-           .meaning = fmt::format("how edges are kept smooth: by the pixel filter over all samples, or as real-time "
-                                  "rendering does it: {}",
-                                  fmt::join(names, ", ")),
-           .placeholder = "NAME",
-           .label = "anti-aliasing",
-           .study = names}};
+  return {
+      {.name = "antialias",
+       .value = ChoiceValue{&RenderSettings::antialias, names},
+       .meaning = fmt::format(
+           "anti-aliasing. filter: the pixel filter over all samples. The others are those of real-time rendering: {}",
+           fmt::join(std::span(names).subspan(1), ", ")),
+       .placeholder = "NAME",
+       .label = "anti-aliasing",
+       .study = names}};
 }
 
 } // namespace wavepath

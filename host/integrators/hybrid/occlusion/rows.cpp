@@ -1,4 +1,6 @@
 // The rows of the table of settings: values and meaning of what can be set about occlusion.
+#include <span>
+
 #include <fmt/format.h>
 
 #include "host/integrators/hybrid/occlusion/catalogue.h"
@@ -17,20 +19,22 @@ std::vector<Setting> occlusion_rows() {
   return {
       {.name = "occlusion",
        .value = ChoiceValue{&S::occlusion, names},
-       .meaning = fmt::format("how ambient occlusion is found: by rays, or among the depths that the picture shows: {}",
-                              fmt::join(names, ", ")),
+       .meaning = fmt::format(
+           "technique for ambient occlusion. traced: rays. The others look at the depths in the picture: {}",
+           fmt::join(std::span(names).subspan(1), ", ")),
        .placeholder = "NAME",
        .label = "occlusion",
        .study = names},
       {.name = "ao-bias",
        .value = NumberValue{&S::ao_bias, 0.0, kMostAoBias},
-       .meaning = "of hbao: elevation over the tangent plane up to which nothing occludes",
+       .meaning = "elevation in degrees over the tangent plane up to which --occlusion hbao sees no occluder",
        .placeholder = "DEGREES",
        .study = {"0", "10", "30"}},
       {.name = "ao-thinness",
        .value = NumberValue{&S::ao_thinness, 0.0, 1.0},
-       .meaning = "of gtao: share by which what is seen behind a body lowers its horizon; 0: bodies have no back",
-       .placeholder = "SHARE",
+       .meaning =
+           "fraction by which --occlusion gtao lowers a horizon for surfaces behind a body. 0: bodies have no back",
+       .placeholder = "FRACTION",
        .study = {"0", "0.1", "0.5"}},
   };
 }
