@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Scores every shadow technique on seven scenes: shadow_reports.py --assets FOLDER [--only NAME ...] [--budget S]
-[--table]
+[--pages PAGES] [--table]
 
-Runs `wavepath study --shadows` on each of SCENES and writes results/llvmpipe/shadows/NAME/report.html and study.csv,
-and README.md's tables from all that are there; --table: these alone. FOLDER holds the public scenes Sponza and
-HotelRoom."""
+Runs `wavepath study --shadows` on each of SCENES and writes results/llvmpipe/shadows/NAME.csv, and README.md's tables
+from all that are there; --table: these alone. Each page goes to PAGES/NAME/report.html. FOLDER holds the public scenes
+Sponza and HotelRoom."""
 
 import argparse
 import csv
@@ -35,7 +35,7 @@ HEAD = ("| technique, texels | error by shadows | falsely lit | falsely dark | e
         "true one | ms to build | ms to look up | MiB |\n|" + " --- |" * 9)
 
 
-def study(program, assets, name, budget, size):
+def study(program, assets, name, budget, size, pages):
     _, file, maker, flags = SCENES[name]
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -53,13 +53,14 @@ def study(program, assets, name, budget, size):
         subprocess.run(["wavepath", "study", file, "--shadows", "-o", name, "--size", size, "--budget", str(budget),
                         "--reference-spp", "256",
                         *flags.split()], cwd=folder, check=True, env=environment)
-        (HERE / name).mkdir(parents=True, exist_ok=True)
-        for result in ("report.html", "study.csv"):
-            shutil.copy(folder / name / result, HERE / name)
+        HERE.mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder / name / "study.csv", HERE / f"{name}.csv")
+        (pages / name).mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder / name / "report.html", pages / name)
 
 
 def table(name):
-    with open(HERE / name / "study.csv", encoding="utf-8", newline="") as file:
+    with open(HERE / f"{name}.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     samples = max(int(row["spp"]) for row in rows)
     error = lambda row: float(row["shadow_relative_rms"])
@@ -84,13 +85,12 @@ def write_tables():
     page = HERE / "README.md"
     text = page.read_text(encoding="utf-8")
     for name, (about, file, maker, flags) in SCENES.items():
-        if not (HERE / name / "study.csv").exists():
+        if not (HERE / f"{name}.csv").exists():
             continue
         samples, rows = table(name)
         command = f"wavepath study {file} --shadows {flags}".strip()
         body = "\n".join([f"<!-- {name} -->", f"## {about[0].upper()}{about[1:]}", "",
-                          f"`{command}`, {samples} samples a pixel. [Page]({name}/report.html), "
-                          f"[table]({name}/study.csv).",
+                          f"`{command}`, {samples} samples a pixel. [All sizes]({name}.csv).",
                           "", *rows, f"<!-- /{name} -->"])
         found = re.compile(rf"<!-- {name} -->.*?<!-- /{name} -->", re.S)
         text = found.sub(lambda _: body, text) if found.search(text) else f"{text.rstrip()}\n\n{body}\n"
@@ -104,13 +104,14 @@ def main():
     parser.add_argument("--budget", type=float, default=240)
     parser.add_argument("--size", default="192x144")
     parser.add_argument("--program", default=str(ROOT / "build" / "host" / "wavepath"))
+    parser.add_argument("--pages", type=pathlib.Path, default=ROOT / "build" / "shadow_reports")
     parser.add_argument("--table", action="store_true")
     args = parser.parse_args()
     if not args.table:
         if not args.assets:
             parser.error("--assets is wanted")
         for name in args.only:
-            study(args.program, args.assets, name, args.budget, args.size)
+            study(args.program, args.assets, name, args.budget, args.size, args.pages)
     write_tables()
 
 

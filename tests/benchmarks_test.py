@@ -2,6 +2,7 @@
 """The benchmark scripts' own arithmetic, on numbers with known answers, and that they start at all. No renderer is run.
 Usage: benchmarks_test.py SOURCE_DIR"""
 
+import json
 import math
 import os
 import pathlib
@@ -14,6 +15,7 @@ sys.path.insert(0, str(BENCHMARKS))
 
 import contact_sheet  # noqa: E402
 import error_time  # noqa: E402
+import history  # noqa: E402
 import light_table  # noqa: E402
 import material_study  # noqa: E402
 import old_new  # noqa: E402
@@ -64,6 +66,31 @@ class Benchmarks(unittest.TestCase):
         self.assertAlmostEqual(result["ratio"]["0.01"], 1 / 3)
         self.assertAlmostEqual(result["equal_spp"]["seconds_ratio"], 1 / 3)
         self.assertAlmostEqual(result["equal_spp"]["relmse_ratio"], 1)
+
+    def test_history_names_scene_size_and_flags_and_tells_what_was_extrapolated(self):
+        points = [dict(p, runs=[{"seconds": p["seconds"]}]) for p in HALVING]
+        scene = error_time.summarize({"size": [4, 3]}, {"wavepath": points, "cycles": points}) | {"flags": "--guide"}
+        told = dict(history.figures({"size": [4, 3], "scenes": {"box": scene}}, None))
+        self.assertAlmostEqual(told["peers/box/4x3 --guide/wavepath/seconds_to_0.01"], 20)
+        self.assertAlmostEqual(told["peers/box/4x3 --guide/cycles/seconds_to_0.001_by_slope"], 200)
+        self.assertAlmostEqual(told["peers/box/4x3 --guide/ratio/relmse_at_32_spp"], 1)
+
+    def test_history_grows_where_a_figure_changed(self):
+        rows = history.add([], [("a", 1.0), ("b", 2.0)], "c1", "d1")
+        rows = history.add(rows, [("a", 1.00001), ("b", 3.0)], "c2", "d2")
+        self.assertEqual([tuple(row.values()) for row in rows],
+                         [("a", "c1", "d1", "1"), ("b", "c1", "d1", "2"), ("b", "c2", "d2", "3")])
+
+    def test_history_reads_what_is_kept(self):
+        results = BENCHMARKS / "results"
+        for device in ("llvmpipe", "h200"):
+            with self.subTest(device=device):
+                rows = history.read(results / device / "history.csv")
+                self.assertEqual(list(rows[0]), history.COLUMNS)
+                last = {row["metric"]: row["value"] for row in rows}
+                for scene, document in json.loads((results / device / "bench.json").read_text()).items():
+                    for metric, value in history.figures(document, scene):
+                        self.assertEqual(last[metric], f"{value:.4g}", metric)
 
     def test_exponent_of_a_linear_cost_is_one(self):
         self.assertAlmostEqual(scaling.exponent([{"n": n, "seconds": 0.25 * n} for n in (16, 32, 64)]), 1)
@@ -124,7 +151,8 @@ class Benchmarks(unittest.TestCase):
 
     def test_scripts_explain_themselves(self):
         for script, flag in (("peer_cycles.py", "--json"), ("scaling.py", "--json"), ("old_new.py", "--json"),
-                             ("light_table.py", "--json"), ("material_study.py", "--strip")):
+                             ("light_table.py", "--json"), ("material_study.py", "--strip"), ("history.py", "--device"),
+                             ("shadow_reports.py", "--pages")):
             with self.subTest(script=script):
                 result = subprocess.run([sys.executable, BENCHMARKS / script, "--help"], capture_output=True, text=True)
                 self.assertEqual(result.returncode, 0, result.stderr)

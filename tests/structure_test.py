@@ -156,6 +156,34 @@ def local_names(path):
     return {*variables} | constants_of(code, r"\b")
 
 
+@functools.cache
+def offered_names(path):
+    """All names that a file, with what it includes of ours, makes known to what is compiled after it."""
+    files = [ROOT / r for r in {name(path), *reached_files(path)} if (ROOT / r).exists()]
+    macros = (set(re.findall(r"^\s*#define (\w+)", file.read_text(), re.M)) for file in files)
+    return set().union(*map(declared_names, files), *map(inner_names, files), *map(local_names, files), *macros)
+
+
+def batches(headers, system_files):
+    """Headers in lists, of which each is compiled as one file. A compiler takes a third of a second to begin, and few
+    headers can hide what another lacks: those that make a word of it known, or include a foreign header, which it does
+    not reach itself."""
+    found = []
+    for header in sorted(headers, key=lambda path: len(reached_files(path))):
+        words = set(re.findall(r"\w+", code_of(header)))
+        for batch, offered, foreign in found:
+            hidden = words & (offered - offered_names(header))
+            if not hidden and foreign <= reached_headers(header):
+                break
+        else:
+            found.append(([], set(), set()))
+            batch, offered, foreign = found[-1]
+        batch.append(header)
+        offered |= offered_names(header)
+        foreign |= {h for h in reached_headers(header) if not any(file.endswith(f"/{h}") for file in system_files)}
+    return [batch for batch, _, _ in found]
+
+
 class Structure(unittest.TestCase):
     def test_words_cost_no_picture(self):
         """fmt::print throws where a stream cannot be written: host/base/print.h knows what that is to mean."""
@@ -255,14 +283,16 @@ class Structure(unittest.TestCase):
             whole = {"fmt/": "fmt/format.h", "glm/": "glm/glm.hpp"}
             system.write_text("".join(f"#include <{whole.get(header, header)}>\n" for header in PRECOMPILED))
             subprocess.run([*flags, "-x", "c++-header", system, "-o", f"{system}.gch"], check=True)
+            known = subprocess.run([*flags, "-M", system], check=True, capture_output=True, text=True).stdout.split()
 
-            def compile_alone(path):
-                command = [*flags, "-fsyntax-only", "-include", system, "-include", name(path), "-x", "c++", os.devnull]
-                return path, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            def compile_in_turn(paths):
+                turns = [word for path in paths for word in ("-include", name(path))]
+                command = [*flags, "-fsyntax-only", "-include", system, *turns, "-x", "c++", os.devnull]
+                return paths, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
             with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                for path, result in pool.map(compile_alone, alone):
-                    with self.subTest(file=name(path)):
+                for paths, result in pool.map(compile_in_turn, batches(alone, {f"/{file}" for file in known})):
+                    with self.subTest(files=[name(path) for path in paths]):
                         self.assertEqual(result.returncode, 0, result.stderr[:2000])
 
     def test_lines_fit(self):
@@ -342,6 +372,13 @@ class Structure(unittest.TestCase):
                     self.assertTrue(page.exists())
                     if anchor:
                         self.assertIn(anchor, anchors(page))
+
+    # Everyone who clones carries them; a page that a command makes again, which benchmarks/results/README.md tells,
+    # stays out.
+    def test_results_that_are_kept_weigh_little(self):
+        files = [p for p in (ROOT / "benchmarks/results").rglob("*") if p.is_file()]
+        self.assertLess(sum(p.stat().st_size for p in files), 8e6)
+        self.assertEqual([name(p) for p in files if p.suffix == ".html"], [])
 
 
 if __name__ == "__main__":

@@ -97,6 +97,49 @@ TEST_F(TrimSpirvTest, ResourcesThatNothingReadsAreGone) {
   for (const Resources& some : {without, exact, sampled}) EXPECT_EQ(some.other_listed, whole.other_listed);
 }
 
+// What a kernel does is the same under all constants that it does not read.
+TEST_F(TrimSpirvTest, ConstantsThatNothingReadsDoNotCount) {
+  constexpr std::uint32_t kOpSpecConstantTrue = 48, kOpSpecConstantFalse = 49, kOpSpecConstant = 50;
+  const auto shade = [&](const KernelConfig& config) {
+    Words does = what_spirv_does(wavepath_shade_spv, specialization(config, device().info()));
+    for (const std::uint32_t op : {kOpSpecConstantTrue, kOpSpecConstantFalse, kOpSpecConstant})
+      EXPECT_EQ(count(does, op), 0u);
+    return does;
+  };
+  KernelConfig config;
+  config.features = gpu::kFeatureEmission | gpu::kFeatureTriangleLights;
+  config.stack_size = 64;
+  KernelConfig lens = config, sampler = config; // of rays of the camera; of all
+  lens.lens = gpu::kLensDisc;
+  sampler.sampler = gpu::kSamplerSobol;
+  ASSERT_NE(config.sampler, sampler.sampler);
+  const Words does = shade(config);
+  EXPECT_TRUE(shade(lens) == does);
+  EXPECT_FALSE(shade(sampler) == does);
+}
+
+// Where a device keeps pipelines, and where it does not.
+TEST_F(TrimSpirvTest, KernelsOfTheSameCodeShareAPipeline) {
+  const std::vector<Binding> bindings{{0, BindingKind::storage}, {1, BindingKind::storage}};
+  const auto handles = [&](Device& device) {
+    const BindingLayout layout(device, bindings, 4), again(device, bindings, 4), pushes_more(device, bindings, 8);
+    const Words constants{1, 1, 3}, others{1, 2, 3};
+    const Kernel one(device, "one", wavepath_trim_probe_spv, layout, constants),
+        same(device, "same", wavepath_trim_probe_spv, again, constants),
+        other(device, "other", wavepath_trim_probe_spv, layout, others),
+        otherwise(device, "otherwise", wavepath_trim_probe_spv, pushes_more, constants);
+    return std::vector{one.handle(), same.handle(), other.handle(), otherwise.handle()};
+  };
+  const auto kept = handles(device());
+  EXPECT_EQ(kept[0], kept[1]);
+  EXPECT_NE(kept[0], kept[2]);
+  EXPECT_NE(kept[0], kept[3]);
+  EXPECT_EQ(handles(device()), kept);
+  Device forgetful(device().info().name);
+  const auto own = handles(forgetful);
+  EXPECT_NE(own[0], own[1]);
+}
+
 TEST_F(TrimSpirvTest, WhatIsNoModuleComesBack) {
   const Words whole(std::begin(wavepath_trim_probe_spv), std::end(wavepath_trim_probe_spv));
   Words cut(whole.begin(), whole.end() - 3), endless = whole;

@@ -34,7 +34,9 @@ inline const TestDevice& test_device() {
   static const TestDevice result = [] {
     const char* wanted = std::getenv("WAVEPATH_DEVICE");
     try {
-      return TestDevice{new Device(wanted ? wanted : ""), ""};
+      auto* device = new Device(wanted ? wanted : "");
+      device->keep_pipelines(); // tests compile the same kernels for many scenes
+      return TestDevice{device, ""};
     } catch (const Error& error) {
       return TestDevice{nullptr, error.what()};
     }

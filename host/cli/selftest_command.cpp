@@ -16,6 +16,7 @@ struct SelftestCommandRequest : SelftestRequest {
 
 int run_selftest(const SelftestCommandRequest& request) {
   Device device(request.device);
+  device.keep_pipelines(); // cases differ in scenes more than in kernels
   KernelCache kernels(device);
   return report_cases(selftest_cases(), {device, kernels, request.full}, request);
 }

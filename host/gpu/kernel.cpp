@@ -10,6 +10,7 @@
 #include "host/gpu/device_limit.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/gpu/shader_module.h"
+#include "host/gpu/trim_spirv.h"
 
 namespace wavepath {
 namespace {
@@ -66,6 +67,8 @@ BindingLayout::BindingLayout(Device& device, std::span<const Binding> bindings, 
   std::vector<VkDescriptorSetLayoutBinding> slots;
   for (const Binding& binding : bindings)
     if (const auto type = type_of(binding)) slots.push_back({binding.slot, *type, 1, stages_, nullptr});
+  for (const VkDescriptorSetLayoutBinding& slot : slots)
+    slots_.insert(slots_.end(), {slot.binding, static_cast<std::uint32_t>(slot.descriptorType)});
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set_info.bindingCount = static_cast<std::uint32_t>(slots.size());
   set_info.pBindings = slots.data();
@@ -103,6 +106,14 @@ std::optional<VkDescriptorType> BindingLayout::type_of(const Binding& binding) c
   if (found == storage_texels_.end()) return descriptor_type(binding.kind);
   if (found->block != binding.slot) return {};
   return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+std::vector<std::uint32_t> BindingLayout::description() const {
+  std::vector<std::uint32_t> words = slots_;
+  for (const StorageTexels& texels : storage_texels_)
+    words.insert(words.end(), {texels.slot, texels.components, texels.block});
+  words.insert(words.end(), {static_cast<std::uint32_t>(slots_.size()), push_constant_bytes_, stages_});
+  return words;
 }
 
 BindingLayout::~BindingLayout() { release(); }
@@ -209,20 +220,37 @@ VkDescriptorImageInfo BindingSet::image_info(const Binding& binding) {
 Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingLayout& bindings,
                std::span<const std::uint32_t> constants)
     : device_(&device), name_(std::move(name)) {
-  const ShaderModule module(device, name_, spirv, constants, bindings.storage_texels());
-  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  if (device.use() == DeviceUse::compile) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
-  info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
-  info.layout = bindings.layout();
-  check(vkCreateComputePipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline_),
-        ("compiling kernel " + name_).c_str());
+  const auto make = [&] {
+    const ShaderModule module(device, name_, spirv, constants, bindings.storage_texels());
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    if (device.use() == DeviceUse::compile) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
+    info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
+    info.layout = bindings.layout();
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateComputePipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline),
+          ("compiling kernel " + name_).c_str());
+    return pipeline;
+  };
+  KeptPipelines* kept = device.kept_pipelines();
+  if (!kept) {
+    pipeline_ = make();
+    return;
+  }
+  std::vector<std::uint32_t> key = bindings.description();
+  const std::vector<std::uint32_t> does = what_spirv_does(spirv, constants);
+  key.insert(key.end(), does.begin(), does.end());
+  pipeline_ = kept->of(std::move(key), make);
+  is_kept_ = true;
 }
 
 Kernel::Kernel(Kernel&& other) noexcept
     : device_(other.device_),
       name_(std::move(other.name_)),
-      pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)) {}
+      pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)),
+      is_kept_(other.is_kept_) {}
 
-Kernel::~Kernel() { vkDestroyPipeline(device_->handle(), pipeline_, nullptr); }
+Kernel::~Kernel() {
+  if (!is_kept_) vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
+}
 
 } // namespace wavepath

@@ -63,6 +63,8 @@ public:
   VkPipelineLayout layout() const { return pipeline_layout_; }
   VkShaderStageFlags stages() const { return stages_; }
   std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
+  // Equal words for layouts that pipelines may be made with one of and used with the other.
+  std::vector<std::uint32_t> description() const;
   // Texels that shaders have to see as storage blocks: the first ones, that the device has room for.
   std::span<const StorageTexels> storage_texels() const { return storage_texels_; }
 
@@ -78,6 +80,7 @@ private:
   void release();
 
   std::vector<StorageTexels> storage_texels_;
+  std::vector<std::uint32_t> slots_; // each with its VkDescriptorType
   std::uint32_t push_constant_bytes_;
   VkShaderStageFlags stages_;
   VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
@@ -148,6 +151,7 @@ private:
   Device* device_;
   std::string name_;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
+  bool is_kept_ = false; // by the device
 };
 
 } // namespace wavepath

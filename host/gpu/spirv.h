@@ -96,6 +96,7 @@ enum Op : std::uint32_t {
 
 constexpr std::uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 constexpr std::uint32_t kBoundAt = 3;         // the word of the header that all ids are below
+constexpr std::uint32_t kSpecId = 1;          // a decoration: the number of a specialization constant
 constexpr std::uint32_t kUniformConstant = 0; // the storage class of textures and texel buffers
 
 struct Instruction {

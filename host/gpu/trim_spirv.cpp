@@ -13,7 +13,6 @@ namespace {
 
 using namespace spirv;
 
-constexpr std::uint32_t kSpecId = 1; // a decoration
 constexpr std::uint32_t kNowhere = ~0u;
 
 using Value = std::optional<std::uint32_t>; // of an integer of 32 bits or a boolean, where it is known
@@ -122,6 +121,7 @@ public:
     values_.resize(bound);
     is_type_.resize(bound);
     is_scalar_.resize(bound);
+    is_boolean_.resize(bound);
     spec_ids_.assign(bound, kNowhere);
     block_of_.assign(bound, kNowhere);
     Function* function = nullptr;
@@ -185,7 +185,8 @@ public:
     }
   }
 
-  std::vector<std::uint32_t> write() const {
+  // `settled`: with constants for those that are specialized.
+  std::vector<std::uint32_t> write(bool settled) const {
     std::vector<std::uint32_t> code;
     for (const Function& function : functions_)
       if (function.called) write(function, code);
@@ -199,13 +200,18 @@ public:
     for (std::size_t at = 0; at < code.size(); at += code[at] >> 16)
       mark({code[at] & 0xffffu, std::span(code).subspan(at, code[at] >> 16)}, kept);
     const std::vector<bool> unread = unread_resources(code);
+    const std::vector<bool> read = settled ? read_constants(code) : std::vector<bool>(values_.size(), true);
     std::vector<std::uint32_t> module(spirv_.begin(), spirv_.begin() + kHeaderWords);
     for (const Instruction& one : globals_) {
+      if (is_specialized(one) && !read[one.words[2]]) continue;
+      if (settled && one.op == OpDecorate && spec_ids_[one.words[1]] != kNowhere) continue;
       const bool decorates = one.op == OpDecorate || one.op == OpMemberDecorate || one.op == OpDecorateId;
       if (decorates && ((in_functions[one.words[1]] && !kept[one.words[1]]) || unread[one.words[1]])) continue;
       if (one.op == OpVariable && unread[one.words[2]]) continue;
       if (one.op == OpEntryPoint)
         put_entry(one, unread, module);
+      else if (settled)
+        put_settled(one, module);
       else
         put(module, one);
     }
@@ -233,7 +239,7 @@ private:
         if (w[2] == kSpecId) spec_ids_[w[1]] = w[3];
         break;
       case OpTypeBool:
-        is_scalar_[w[1]] = true;
+        is_scalar_[w[1]] = is_boolean_[w[1]] = true;
         break;
       case OpTypeInt:
         is_scalar_[w[1]] = w[2] == 32;
@@ -446,6 +452,43 @@ private:
     return unread;
   }
 
+  static bool is_specialized(const Instruction& one) {
+    return one.op >= OpSpecConstantTrue && one.op <= OpSpecConstantOp;
+  }
+
+  // By id: constants that are specialized, or follow from those, and that something reads: the code left, or another
+  // global instruction. A number that happens to be the same keeps one.
+  std::vector<bool> read_constants(const std::vector<std::uint32_t>& code) const {
+    std::vector<bool> read(values_.size());
+    const auto mark_all = [&](std::span<const std::uint32_t> words) {
+      for (const std::uint32_t word : words)
+        if (word < read.size()) read[word] = true;
+    };
+    for (std::size_t at = 0; at < code.size(); at += code[at] >> 16)
+      mark_all(std::span(code).subspan(at + 1, (code[at] >> 16) - 1));
+    for (auto one = globals_.rbegin(); one != globals_.rend(); ++one) { // what defines comes before what reads
+      const auto w = one->words;
+      if (one->op == OpDecorate || one->op == OpMemberDecorate) continue; // they come before
+      if (!is_specialized(*one))
+        mark_all(w.subspan(1));
+      else if (read[w[2]] && !(one->op == OpSpecConstantOp && values_[w[2]]))
+        mark_all(w.subspan(3));
+    }
+    return read;
+  }
+
+  // A global instruction; a constant that is specialized with the value that it gets.
+  void put_settled(const Instruction& one, std::vector<std::uint32_t>& module) const {
+    const auto w = one.words;
+    if (one.op == OpSpecConstant && w.size() == 4) return put(module, OpConstant, {w[1], w[2], given(w[2], w[3])});
+    const bool known = one.op == OpSpecConstantTrue || one.op == OpSpecConstantFalse || one.op == OpSpecConstantOp;
+    if (!known || !values_[w[2]]) return put(module, one);
+    if (is_boolean_[w[1]])
+      put(module, *values_[w[2]] ? OpConstantTrue : OpConstantFalse, {w[1], w[2]});
+    else
+      put(module, OpConstant, {w[1], w[2], *values_[w[2]]});
+  }
+
   // An entry point lists the variables that it uses, after its name, whose last word holds a zero byte.
   static void put_entry(const Instruction& one, const std::vector<bool>& unread, std::vector<std::uint32_t>& module) {
     std::size_t at = 3;
@@ -498,7 +541,7 @@ private:
   std::vector<std::uint32_t> entries_; // functions
   // By id.
   std::vector<Value> values_;
-  std::vector<bool> is_type_, is_scalar_;
+  std::vector<bool> is_type_, is_scalar_, is_boolean_;
   bool is_foreign_ = false;
   std::vector<std::uint32_t> spec_ids_, block_of_, function_of_;
 };
@@ -509,7 +552,19 @@ std::vector<std::uint32_t> trim_spirv(std::span<const std::uint32_t> spirv, std:
   Module module(spirv, constants);
   if (!module.read()) return {spirv.begin(), spirv.end()};
   module.find_dead_code();
-  return module.write();
+  return module.write(false);
+}
+
+std::vector<std::uint32_t> what_spirv_does(std::span<const std::uint32_t> spirv,
+                                           std::span<const std::uint32_t> constants) {
+  Module module(spirv, constants);
+  if (module.read()) {
+    module.find_dead_code();
+    return module.write(true);
+  }
+  std::vector<std::uint32_t> words(spirv.begin(), spirv.end());
+  words.insert(words.end(), constants.begin(), constants.end());
+  return words;
 }
 
 } // namespace wavepath

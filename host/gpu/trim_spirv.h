@@ -17,4 +17,10 @@ namespace wavepath {
 // that such a module may not fit its layout.
 std::vector<std::uint32_t> trim_spirv(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants);
 
+// Words that two kernels have in common only if they compute the same: trimmed code in which what the constants are has
+// been put in and the others are left out; of a module of another form, all of it and all constants. Not for drivers,
+// which get the constants beside the code.
+std::vector<std::uint32_t> what_spirv_does(std::span<const std::uint32_t> spirv,
+                                           std::span<const std::uint32_t> constants);
+
 } // namespace wavepath

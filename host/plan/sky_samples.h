@@ -15,8 +15,8 @@ struct SkyChoice {
   double render_seconds = 0.0; // of these, rendering alone
   PilotPicture pilot;
   double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
-  // Kernels for pilots serve the render, too (KernelCapacity::sky_samples): others are not worth compiling for 1 % of the
-  // time (StanfordDragon with one sky sample, llvmpipe).
+  // Kernels for pilots serve the render, too (KernelCapacity::sky_samples): others are not worth compiling for 1 % of
+  // the time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
 };
 
