@@ -58,8 +58,7 @@ class Wavepath:
         before = processor_seconds_of_children()
         stats = json.loads(run(self.command + self.flags + ["--spp", spp, "--seed", seed, "-o", output]))
         self.device = stats["device"]
-        choices = [stats.get(name) or {} for name in ("sky_choice", "reuse_choice", "choice")]
-        pilots = sum(choice.get("render_seconds", 0) for choice in choices)
+        pilots = sum(decision["render_seconds"] for decision in stats["plan"])
         return {"seconds": stats["seconds"]["render"] + pilots, "mrays_per_second": stats["mrays_per_second"],
                 "processor": processor_seconds_of_children() - before}
 
