@@ -117,8 +117,8 @@ TEST(Adaptivity, IsTriedWhereAPilotIsASmallPartOfTheRender) {
     settings.last_sample = spp;
     return may_pay_adaptive(settings);
   };
-  EXPECT_TRUE(tried(4));
-  EXPECT_FALSE(tried(2));
+  EXPECT_TRUE(tried(32));
+  EXPECT_FALSE(tried(28)) << "less than a second";
   EXPECT_FALSE(tried(66)) << "levels share out fours";
   settings.width = 255;
   EXPECT_FALSE(tried(256)) << "a small picture";

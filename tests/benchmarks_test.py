@@ -2,12 +2,15 @@
 """The benchmark scripts' own arithmetic, on numbers with known answers, and that they start at all. No renderer is run.
 Usage: benchmarks_test.py SOURCE_DIR"""
 
+import array
 import json
 import math
 import os
 import pathlib
+import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 
 BENCHMARKS = pathlib.Path(sys.argv[1]) / "benchmarks"
@@ -15,11 +18,14 @@ sys.path.insert(0, str(BENCHMARKS))
 
 import contact_sheet  # noqa: E402
 import error_time  # noqa: E402
+import exr  # noqa: E402
+import generated_scenes  # noqa: E402
 import history  # noqa: E402
 import light_table  # noqa: E402
 import material_study  # noqa: E402
 import old_new  # noqa: E402
 import peer_cycles  # noqa: E402
+import regret  # noqa: E402
 import scaling  # noqa: E402
 
 # relMSE = 0.2 / seconds: what independent samples give.
@@ -149,8 +155,54 @@ class Benchmarks(unittest.TestCase):
                          "needs X; do Y")
         self.assertEqual(len(set(contact_sheet.ASSETS)), 30)
 
+    def test_generated_scenes_are_half_for_tuning_under_every_light(self):
+        scenes = [generated_scenes.scene(seed)[3] for seed in (0, 7, 14, 21)]
+        self.assertTrue(all(words.startswith("lamp,") for words in scenes), scenes)
+        self.assertEqual([words.split(", ")[1] for words in scenes], ["open", "closed", "half", "open"])
+        tuning = [seed % len(generated_scenes.LIGHTS) for seed in range(generated_scenes.COUNT)
+                  if generated_scenes.is_for_tuning(seed)]
+        self.assertEqual(sorted(tuning), sorted(2 * list(range(len(generated_scenes.LIGHTS)))))
+
+    def test_generated_scenes_are_the_same_every_time(self):
+        for seed in (3, 22):
+            self.assertEqual(generated_scenes.scene(seed)[0].binary(), generated_scenes.scene(seed)[0].binary())
+
+    def test_one_bright_pixel_in_a_thousand_does_not_decide_the_typical_error(self):
+        reference = [1.0] * 6000
+        noisy = [1.1] * 6000
+        errors = regret.squared_errors(noisy, reference)
+        self.assertAlmostEqual(errors["relmse"], 0.01 / 1.01)
+        self.assertAlmostEqual(errors["typical"], 0.01 / 1.01, delta=1e-4)
+        bright = regret.squared_errors([1000.0] * 6 + noisy[6:], reference)
+        self.assertGreater(bright["relmse"], 100 * errors["relmse"])
+        self.assertAlmostEqual(bright["typical"], errors["typical"], delta=1e-4)
+
+    def test_what_comes_before_the_first_sample_counts_as_far_as_the_plainest_choice_lacks_it(self):
+        run = {"relmse": 0.02, "typical": 0.01, "rendering": 1.5, "bvh": 0.5, "all": 3.0, "total": 4.0, "taken": {},
+               "pilots": {"reuse_choice": {"rendering": 0.5, "all": 0.7}}}
+        row = regret.summary([run], before=1.0)
+        self.assertAlmostEqual(row["cost"]["rendering"], 0.02)
+        self.assertAlmostEqual(row["cost"]["all"], 0.025)
+        self.assertAlmostEqual(row["pilots"], 0.25)
+        self.assertAlmostEqual(regret.summary([run], before=2.5)["all"], 2.0, msg="no less than rendering")
+
+    def test_pictures_of_ours_are_read_without_another_program(self):
+        attributes = (b"channels\0chlist\0" + struct.pack("<i", 73)
+                      + b"".join(name + b"\0" + struct.pack("<4i", 2, 0, 1, 1) for name in (b"A", b"B", b"G", b"R")) +
+                      b"\0"
+                      + b"compression\0compression\0" + struct.pack("<i", 1) + b"\3"
+                      + b"dataWindow\0box2i\0" + struct.pack("<5i", 16, 0, 0, 1, 0) + b"\0")
+        start = 8 + len(attributes) + 8
+        line = struct.pack("<8f", 1, 1, 30, 31, 20, 21, 10, 11)
+        data = b"\x76\x2f\x31\x01\2\0\0\0" + attributes + struct.pack("<Q2i", start, 0, len(line)) + line
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "small.exr"
+            path.write_bytes(data)
+            self.assertEqual(exr.read_ours(path), (2, 1, [array.array("f", c) for c in ((10, 11), (20, 21), (30, 31))]))
+
     def test_scripts_explain_themselves(self):
         for script, flag in (("peer_cycles.py", "--json"), ("scaling.py", "--json"), ("old_new.py", "--json"),
+                             ("regret.py", "--json"),
                              ("light_table.py", "--json"), ("material_study.py", "--strip"), ("history.py", "--device"),
                              ("shadow_reports.py", "--pages")):
             with self.subTest(script=script):

@@ -134,9 +134,8 @@ TEST_F(CliRenderTest, RendersLookForNoise) {
   EXPECT_EQ(pilot["taken"], "on") << pilot; // the box's surroundings are black
   EXPECT_LT(pilot["cost"].get<double>(), 0.9);
   EXPECT_EQ(pilot["pilot"], Json({{"size", {64, 32}}, {"spp", 32}}));
-  EXPECT_EQ(pilot_of({"--spp", "8"})["pilot"]["spp"], 4);
-  EXPECT_EQ(pilot_of({"--spp", "4"})["pilot"]["spp"], 4);
-  EXPECT_TRUE(pilot_of({"--spp", "2"})["pilot"].is_null()) << "the pilot would be an eighth of it";
+  EXPECT_EQ(pilot_of({"--spp", "32"})["pilot"]["spp"], 16);
+  EXPECT_TRUE(pilot_of({"--spp", "28"})["pilot"].is_null()) << "less than a second is foreseen";
   EXPECT_TRUE(pilot_of({"--spp", "64", "--adaptive", "off"})["pilot"].is_null());
   EXPECT_TRUE(pilot_of({"--spp", "64", "--samples", "0:64"})["pilot"].is_null()) << "parts are even";
   EXPECT_TRUE(pilot_of({"--spp", "64", "--mergeable"})["pilot"].is_null()) << "parts are even";

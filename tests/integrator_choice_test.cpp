@@ -129,12 +129,34 @@ TEST_F(IntegratorChoiceTest, TriesThoseAgainThatMayBeAlike) {
 TEST_F(IntegratorChoiceTest, TriesNothingForAShortRender) {
   RenderPlan small = settings(4);
   small.width = 64, small.height = 48;
-  const IntegratorChoice choice = choose("caustics/bulb_point.glb", small);
+  const IntegratorChoice choice = choose("cornell_box.gltf", small);
   EXPECT_EQ(choice.settings.integrator, &kPath);
   EXPECT_TRUE(choice.trials.empty());
+  EXPECT_FALSE(choice.hidden_lamps);
   RenderPlan timed = settings(65536);
   timed.time_limit = device().info().type == "cpu" ? 1.0 : 0.01;
   EXPECT_TRUE(choose("caustics/bulb_point.glb", timed).trials.empty());
+}
+
+// A few rays on the host tell what no trial of a short render could.
+TEST_F(IntegratorChoiceTest, ShortRendersTakeLightPathsWhereLampsAreHidden) {
+  RenderPlan small = settings(4);
+  small.width = 64, small.height = 48;
+  for (const std::string file : {"caustics/bulb_point.glb", "caustics/bulb_lamp.glb", "rooms/slit_room.glb"}) {
+    const IntegratorChoice choice = choose(file, small);
+    EXPECT_EQ(choice.settings.integrator, &kBidirectional) << file;
+    EXPECT_TRUE(choice.hidden_lamps);
+    EXPECT_TRUE(choice.trials.empty());
+    EXPECT_NE(choice_text(choice).find("without a trial"), std::string::npos) << choice_text(choice);
+  }
+  for (const std::string file : {"caustics/mirror_caustic.glb", "caustics/panes.glb", "caustics/slab_sun.glb",
+                                 "rooms/hundred_lights.glb", "rooms/glazed_room.glb"}) {
+    const IntegratorChoice choice = choose(file, small);
+    EXPECT_EQ(choice.settings.integrator, &kPath) << file;
+    EXPECT_FALSE(choice.hidden_lamps) << file;
+  }
+  const auto nothing_fits = [](const RenderPlan&) { return false; };
+  EXPECT_EQ(choose("caustics/bulb_point.glb", small, {}, nothing_fits).settings.integrator, &kPath);
 }
 
 // Parts of a render choose alike: by the samples of the whole, not by their own.

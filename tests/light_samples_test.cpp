@@ -325,10 +325,10 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   EXPECT_EQ(floor.samples, 1u);
   EXPECT_FALSE(floor.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
-  const SkyChoice brief = choose(rooms_under_a_sky(0), 64);
-  EXPECT_EQ(brief.samples, 7u) << "told by smaller pilots";
+  const SkyChoice brief = choose(rooms_under_a_sky(0), 256);
+  EXPECT_EQ(brief.samples, 7u) << "a second";
   EXPECT_TRUE(brief.learns);
-  EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";
+  EXPECT_EQ(choose(rooms_under_a_sky(0), 240).samples, 0u) << "too short for pilots";
 }
 
 } // namespace

@@ -174,6 +174,17 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
   EXPECT_EQ(one_place.local_light_count, 100u);
   EXPECT_LT(one_place.light_places, 3.0);
   EXPECT_TRUE(one_place.light_tree.empty());
+  // The same lamps apart, over a table that stands on a large floor: close by the floor's measure, not by the table's.
+  scene.instances.resize(scene.instances.size() - 50);
+  for (int i = 0; i < 50; ++i)
+    add_instance(scene, lamp,
+                 glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(0.2 * (i % 10), 0.5, 0.2 * (i / 10))),
+                            glm::dvec3(0.003)));
+  const std::uint32_t floor = add_mesh(scene, quad({-6, -0.01f, -6}, {0, 0, 12}, {12, 0, 0}), 0);
+  add_instance(scene, floor, glm::dmat4(1.0));
+  const PackedScene small_places = pack(scene);
+  EXPECT_LT(small_places.light_places, kManyPlaces);
+  EXPECT_FALSE(small_places.light_tree.empty());
   Scene rooms = two_rooms(40, false);
   const PackedScene many_places = pack(rooms);
   EXPECT_GT(many_places.light_places, kManyPlaces);

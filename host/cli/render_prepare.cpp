@@ -50,7 +50,9 @@ std::string identity_as(const RenderCommandRequest& request, const Prepared& pre
 bool is_told(const RenderCommandRequest& request, const Decision& decision) {
   if (request.output.quiet) return false;
   if (request.output.verbose) return true;
-  if (decision.what == "integrator") return !decision.trials.empty() || is_given(request.render, "integrator");
+  if (decision.what == "integrator")
+    return !decision.trials.empty() || decision.why.find("hidden") != std::string::npos ||
+           is_given(request.render, "integrator");
   return decision.cost < 1.0;
 }
 

@@ -15,6 +15,7 @@ struct IntegratorChoice {
   std::vector<Trial> trials;          // empty where none were made
   std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
   std::vector<std::string> refused;   // and of those that the device cannot run
+  bool hidden_lamps = false;          // for which it was taken without a trial, the render being short
   std::size_t taken = 0;              // its place in `trials`
   std::string disagreement;           // what one that disagrees finds; empty where all agree
   double seconds = 0.0;               // that the pilots took, compiling included
@@ -25,7 +26,8 @@ struct IntegratorChoice {
 
 // `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then:
 //
-// 1. A render of less than 20 pilots takes the first candidate, without a pilot.
+// 1. A render of less than 20 pilots of each, or than a second, takes the first candidate without a pilot; or the one
+//    with light paths, if few rays on the host find lamps hidden.
 // 2. The first candidate renders a pilot of 16 samples.
 // 3. Unless it may lack light, it is taken if its error is below 10 %, or if pilots of the others would cost more than
 //    1/20 of the render (1/2 if its error is above 100 %, all of it above 300 %). No kernel is compiled for the others.

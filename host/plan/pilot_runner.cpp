@@ -10,7 +10,8 @@
 namespace wavepath {
 
 bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu) {
-  return expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
+  return may_make_pilots(render, cpu) &&
+         expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
 }
 
 PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& view, KernelCompiler& kernels,

@@ -26,7 +26,8 @@ struct PilotRender {
   double cost() const { return squared_error() * steady_work; }
 };
 
-// Whether the render has so many times the paths of the pictures of a row as the row asks for.
+// Whether the render is long enough for any pilot, and has so many times the paths of the pictures of a row as the row
+// asks for.
 bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu);
 
 class PilotRunner {

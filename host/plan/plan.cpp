@@ -114,7 +114,7 @@ void decide_reuse(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* p
     RenderPlan trying = settings;
     trying.kernels.reuse = where_to_try_reuse(settings, cpu);
     if (tries_reuse(trying, scene.features)) {
-      plan.decisions.push_back(to_be_tried("reuse", kSmallReusePilot, settings, cpu));
+      plan.decisions.push_back(to_be_tried("reuse", kReusePilot, settings, cpu));
       return;
     }
     settings.reuse = kReuseOff;
@@ -137,8 +137,8 @@ RenderPlan as_told(RenderPlan settings, bool looks_for_noise) {
 
 void foresee(RenderPlan& settings, Policy policy, bool stands_alone) {
   const bool pilots = policy == Policy::pilots;
-  settings.kernels.sky_samples = pilots && may_try_sky(settings, false); // the device is not known yet
-  settings.kernels.reuse = pilots ? where_to_try_reuse(settings, false) : BearsReuse::nowhere;
+  settings.kernels.sky_samples = pilots && may_try_sky(settings, true); // the device is not known yet
+  settings.kernels.reuse = pilots ? where_to_try_reuse(settings, true) : BearsReuse::nowhere;
   settings.looks_for_noise = pilots && stands_alone && may_pay_adaptive(settings);
 }
 

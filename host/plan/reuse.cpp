@@ -15,25 +15,18 @@ constexpr double kReuseTrainingPaths = 2e5; // that light selection takes, which
 constexpr double kCpuReuseKernels = 1e6;
 
 // Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
-RenderPlan reuse_pilot_of(const PilotRow& row, const RenderPlan& settings, std::uint32_t reuse) {
-  RenderPlan pilot = PilotRunner::settings_of(row, settings);
+RenderPlan reuse_pilot_of(const RenderPlan& settings, std::uint32_t reuse) {
+  RenderPlan pilot = PilotRunner::settings_of(kReusePilot, settings);
   pilot.reuse = reuse;
   pilot.quad_scale = static_cast<double>(pilot.width) / settings.width;
   pilot.kernels.reuse = BearsReuse::anywhere;
   return pilot;
 }
 
-// Null: none pays.
-const PilotRow* affordable_reuse_pilot(const RenderPlan& settings, bool cpu) {
-  for (const PilotRow* row : {&kReusePilot, &kSmallReusePilot})
-    if (is_affordable(*row, settings, cpu)) return row;
-  return nullptr;
-}
-
 } // namespace
 
 BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu) {
-  if (settings.reuse != kReuseAuto || !affordable_reuse_pilot(settings, cpu)) return BearsReuse::nowhere;
+  if (settings.reuse != kReuseAuto || !is_affordable(kReusePilot, settings, cpu)) return BearsReuse::nowhere;
   return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? BearsReuse::untrained
                                                                                               : BearsReuse::anywhere;
 }
@@ -48,20 +41,19 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
       settings.training.one_colour && trying.kernels.reuse == BearsReuse::anywhere; // else its training is too long
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();
-  const PilotRow& row = *affordable_reuse_pilot(settings, cpu);
-  const PilotRender apart = pilots.run(reuse_pilot_of(row, trying, kReuseOff));
-  RenderPlan sharing = reuse_pilot_of(row, trying, kReuseOn);
+  const PilotRender apart = pilots.run(reuse_pilot_of(trying, kReuseOff));
+  RenderPlan sharing = reuse_pilot_of(trying, kReuseOn);
   sharing.training.found = apart.result.light_pilot.shares;
   const PilotRender together = pilots.run(sharing);
   ReuseChoice choice{.tried = true};
   if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();
-  choice.pays = choice.cost < kWorthwhile;
+  choice.pays = choice.cost < kReusePilot.worthwhile;
   if (cpu && expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kCpuReuseKernels)
     choice.kernels_bear = trying.kernels.reuse;
   choice.seconds = seconds_since(start);
   choice.render_seconds = pilots.render_seconds() - rendered_before;
-  choice.pilot = PilotRunner::picture_of(row, settings);
-  choice.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
+  choice.pilot = PilotRunner::picture_of(kReusePilot, settings);
+  choice.fraction = PilotRunner::paths_of_all(kReusePilot, settings) / expected_paths(settings, cpu);
   return choice;
 }
 

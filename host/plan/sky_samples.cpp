@@ -19,20 +19,13 @@ constexpr std::uint32_t kTried = 4; // besides 1
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuSkyKernels = 5e5;
 
-RenderPlan sky_pilot_of(const PilotRow& row, const RenderPlan& settings, std::uint32_t sky_samples) {
-  RenderPlan pilot = PilotRunner::settings_of(row, settings);
+RenderPlan sky_pilot_of(const RenderPlan& settings, std::uint32_t sky_samples) {
+  RenderPlan pilot = PilotRunner::settings_of(kSkyPilot, settings);
   pilot.guide = false;
   pilot.sky_samples = sky_samples;
   pilot.kernels.sky_samples = true;
   pilot.training.one_colour = false; // training would take longer than the pilot
   return pilot;
-}
-
-// Null: none pays.
-const PilotRow* affordable_sky_pilot(const RenderPlan& settings, bool cpu) {
-  for (const PilotRow* row : {&kSkyPilot, &kSmallSkyPilot})
-    if (is_affordable(*row, settings, cpu)) return row;
-  return nullptr;
 }
 
 // What a pilot showed.
@@ -44,7 +37,7 @@ struct Measured {
 
 bool may_try_sky(const RenderPlan& settings, bool cpu) {
   return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
-         affordable_sky_pilot(settings, cpu) != nullptr;
+         is_affordable(kSkyPilot, settings, cpu);
 }
 
 SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
@@ -56,9 +49,8 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();
   SkyChoice choice{.samples = 1};
-  const PilotRow& row = *affordable_sky_pilot(settings, cpu);
   const auto measure = [&](std::uint32_t sky_samples) {
-    const PilotRender pilot = pilots.run(sky_pilot_of(row, settings, sky_samples));
+    const PilotRender pilot = pilots.run(sky_pilot_of(settings, sky_samples));
     return Measured{pilot.squared_error(), pilot.steady_work};
   };
   const Measured one = measure(1), more = measure(kTried);
@@ -69,15 +61,15 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   const std::uint32_t most = sky_samples_that_fit(settings, features);
   for (std::uint32_t n = 2; n <= most; ++n) {
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
-    if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
+    if (cost < std::min(choice.cost, kSkyPilot.worthwhile)) choice.samples = n, choice.cost = cost;
   }
   choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   if (choice.learns) choice.samples = learned_sky_samples(settings, features);
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);
   choice.render_seconds = pilots.render_seconds() - rendered_before;
-  choice.pilot = PilotRunner::picture_of(row, settings);
-  choice.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
+  choice.pilot = PilotRunner::picture_of(kSkyPilot, settings);
+  choice.fraction = PilotRunner::paths_of_all(kSkyPilot, settings) / expected_paths(settings, cpu);
   return choice;
 }
 

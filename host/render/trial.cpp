@@ -10,6 +10,11 @@ namespace {
 // Paths a second: orders of magnitude.
 constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
 
+// Paths that take a second at least. Two cores trace 0.4 to 3.4 million in it (Sponza, Cornell box). What a short
+// render gains by a pilot, kernels that bear what pilots try take from it again: 0.11 s of 0.4 s of CPU time at 200,000
+// paths (benchmarks/regret.py, llvmpipe).
+constexpr double kCpuPathsOfASecond = 1e6, kGpuPathsOfASecond = 1e8;
+
 RayCounts minus(RayCounts a, const RayCounts& b) {
   a.camera -= b.camera, a.bounce -= b.bounce, a.shadow -= b.shadow, a.occlusion -= b.occlusion;
   return a;
@@ -26,6 +31,11 @@ double expected_paths(const RenderPlan& settings, bool cpu) {
   const double asked = paths_of(settings);
   if (!(settings.time_limit > 0.0)) return asked;
   return std::min(asked, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
+}
+
+bool may_make_pilots(const RenderPlan& settings, bool cpu) {
+  const bool ends_before = settings.time_limit > 0.0 && settings.time_limit < 1.0;
+  return !ends_before && paths_of(settings) >= (cpu ? kCpuPathsOfASecond : kGpuPathsOfASecond);
 }
 
 double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu) {

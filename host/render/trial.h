@@ -13,6 +13,9 @@ double paths_of(const RenderPlan& settings);
 // it depends on no clock.
 double expected_paths(const RenderPlan& settings, bool cpu);
 
+// Whether the render may make pilots: one that is foreseen to take less than a second makes none.
+bool may_make_pilots(const RenderPlan& settings, bool cpu);
+
 // What the samples of a trial took in camera rays (IntegratorKind::work), without what was learned before the first of
 // them: twice what its last half took.
 double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu);

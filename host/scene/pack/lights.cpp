@@ -231,14 +231,14 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
   return triangle_light_bounds(corners, power / (pi * area * (two_sided ? 2.0 : 1.0)), two_sided);
 }
 
-// In how many places the local lights are: as many cubes, an eighth of the scene's radius wide, of equal power would
+// In how many places the local lights are: as many cubes, a `part` of the scene's radius wide, of equal power would
 // vary as much.
-double count_places(const std::vector<LightBounds>& lights, double radius) {
+double count_places(const std::vector<LightBounds>& lights, double radius, double part) {
   std::unordered_map<std::uint64_t, double> power;
   double total = 0.0, squares = 0.0;
   for (const LightBounds& light : lights) {
     const glm::dvec3 centre = 0.5 * (glm::dvec3(light.lo) + glm::dvec3(light.hi));
-    const glm::i64vec3 cell(glm::floor(glm::clamp(centre * (8.0 / radius), -1e6, 1e6)));
+    const glm::i64vec3 cell(glm::floor(glm::clamp(centre / (part * radius), -1e6, 1e6)));
     power[static_cast<std::uint64_t>((cell.x & 0xfffff) | (cell.y & 0xfffff) << 20 | (cell.z & 0xfffff) << 40)] +=
         light.power;
     total += light.power;
@@ -252,8 +252,9 @@ void pack_light_tree(const LightList& list, double radius, bool if_many, PackedS
   tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t i) {
     bounds[i] = bounds_of(list.lights[i], list.powers[i], list.areas[i], packed);
   });
-  packed.light_places = count_places(bounds, radius);
-  if (if_many && packed.light_places < kManyPlaces) return;
+  packed.light_places = count_places(bounds, radius, kPlace);
+  const bool many = packed.light_places >= kManyPlaces || count_places(bounds, radius, kSmallPlace) >= kManySmallPlaces;
+  if (if_many && !many) return;
   const LightTree tree = build_light_tree(bounds);
   packed.light_tree = light_tree_words(tree);
   packed.light_tree_depth = tree.depth;
