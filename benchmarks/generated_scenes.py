@@ -79,8 +79,8 @@ def material(g, dice, kind):
         return g.material(kind, color, roughness=0.15 + 0.4 * dice.random())
     if kind == "coat":
         index = g.material(kind, color, roughness=0.6)
-        g.extend(g.doc["materials"][index], KHR_materials_clearcoat={"clearcoatFactor": 1.0,
-                                                                     "clearcoatRoughnessFactor": round(0.2 * dice.random(), 3)})
+        coat = {"clearcoatFactor": 1.0, "clearcoatRoughnessFactor": round(0.2 * dice.random(), 3)}
+        g.extend(g.doc["materials"][index], KHR_materials_clearcoat=coat)
         return index
     if kind == "rough metal":
         return g.material(kind, bright, metallic=1.0, roughness=0.25 + 0.4 * dice.random())
