@@ -22,8 +22,8 @@ struct PilotRow {
 inline constexpr double kWorthwhile = 0.9;
 
 // Several sky samples are taken only where they pay by factors. With a floor and three balls under an open sky, where
-// costs of 0.75 to 0.81 were predicted, four directions take 1.05, and seven that are learned 3.5 (generated scene 10,
-// llvmpipe): counted work leaves out what shading takes. Where it pays, it pays 0.31 to 0.45 (Sponza), 0.6 (HotelRoom).
+// costs of 0.78 and 0.81 were predicted, four directions take 1.03, and seven that are learned 3.5 (generated scene 10,
+// llvmpipe): counted work leaves out what shading takes. Where it pays, it pays 0.31 to 0.45 (Sponza).
 inline constexpr PilotRow kSkyPilot{"sky-samples", 48, 8, 2, 0x85ebca6bu, 20.0, 0.7};
 // Of each candidate; and of those that may be alike once more. One is left for another by a standard error.
 inline constexpr PilotRow kIntegratorPilot{"integrator", 64, 16, 1, 0x9e3779b9u, 20.0, 1.0};
