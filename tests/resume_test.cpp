@@ -426,8 +426,8 @@ TEST_F(Resume, PartsJoinToTheWhole) {
 
 // More samples would make auto choose anew, and otherwise: the file says what the render was begun as.
 TEST_F(Resume, WhatAutoChoseIsKept) {
-  const auto render_bulb = [&](const char* spp, std::vector<std::string> more) {
-    std::vector<std::string> all{"render",       std::string(WAVEPATH_SOURCE_DIR) + "/scenes/caustics/bulb_point.glb",
+  const auto render_beam = [&](const char* spp, std::vector<std::string> more) {
+    std::vector<std::string> all{"render",       std::string(WAVEPATH_SOURCE_DIR) + "/scenes/caustics/prism_spot.glb",
                                  "--integrator", "auto",
                                  "--size",       "16x12",
                                  "--max-depth",  "5",
@@ -435,11 +435,11 @@ TEST_F(Resume, WhatAutoChoseIsKept) {
     all.insert(all.end(), more.begin(), more.end());
     return wavepath(all);
   };
-  const Outcome begun = render_bulb("4", {"-o", "part.exr", "--checkpoint", "state"});
+  const Outcome begun = render_beam("4", {"-o", "part.exr", "--checkpoint", "state"});
   EXPECT_NE(begun.err.find("plan: integrator path"), std::string::npos) << begun.err;
-  const Outcome fresh = render_bulb("4096", {"-o", "fresh.exr"});
+  const Outcome fresh = render_beam("6144", {"-o", "fresh.exr"});
   EXPECT_NE(fresh.err.find("plan: integrator bidirectional"), std::string::npos) << fresh.err;
-  const Outcome resumed = render_bulb("4096", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
+  const Outcome resumed = render_beam("6144", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_TRUE(read_film(path("part.exr"))->splats.empty()); // path tracing has none
 }
