@@ -46,14 +46,9 @@ std::string identity_as(const RenderCommandRequest& request, const Prepared& pre
   return identity;
 }
 
-// Pilots that found more than what a rule would have taken, and integrators, are told without --verbose as well.
 bool is_told(const RenderCommandRequest& request, const Decision& decision) {
-  if (request.output.quiet) return false;
-  if (request.output.verbose) return true;
-  if (decision.what == "integrator")
-    return !decision.trials.empty() || decision.why.find("hidden") != std::string::npos ||
-           is_given(request.render, "integrator");
-  return decision.cost < 1.0;
+  const bool asked = decision.what == "integrator" && is_given(request.render, "integrator");
+  return !request.output.quiet && (request.output.verbose || decision.is_told || asked);
 }
 
 } // namespace
@@ -108,6 +103,7 @@ void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
   PilotRunner pilots(*prepared.device, prepared.packed, prepared.view, *prepared.kernels, prepared.on_device);
   prepared.plan = decide(asked, prepared.packed, pilots.is_cpu(), &pilots);
   if (!request.render.bvh) prepared.plan.decisions.push_back(decision_of(prepared.packed.bvh_quality));
+  if (request.render.pixel) prepared.plan.settings.looks_for_noise = false; // which decides about no single path
   for (const Decision& decision : prepared.plan.decisions)
     if (is_told(request, decision)) print_err("wavepath: {}\n", plan_line(decision));
   for (const std::string& warning : prepared.plan.warnings) prepared.warnings.add(warning);

@@ -32,6 +32,7 @@ struct Decision {
   double render_seconds = 0.0;
   double fraction = 0.0;       // of the render's paths that its pilots have, as foreseen
   PilotPicture pilot{};        // of each candidate
+  bool is_told = false;        // in a line of its own, also without --verbose
   std::vector<Trial> trials{}; // where candidates are several integrators
 };
 

@@ -296,6 +296,7 @@ Decision decision_of(const IntegratorChoice& choice) {
                     .render_seconds = choice.render_seconds,
                     .fraction = choice.fraction,
                     .pilot = choice.pilot,
+                    .is_told = !choice.trials.empty() || !choice.too_large.empty() || choice.hidden_lamps,
                     .trials = choice.trials};
   std::vector<std::string> clauses = exceptions_of(choice);
   if (const std::string reason = reason_of(choice); !reason.empty()) clauses.insert(clauses.begin(), reason);

@@ -66,7 +66,8 @@ Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
                     .seconds = choice.seconds,
                     .render_seconds = choice.render_seconds,
                     .fraction = choice.fraction,
-                    .pilot = choice.pilot};
+                    .pilot = choice.pilot,
+                    .is_told = choice.pays};
   decision.why = choice.tried ? fmt::format("pilots: a given error costs {:.2g}x the work without", choice.cost)
                  : may_reuse_paths(settings) ? "no pilot: the render is short"
                                              : "these settings trace paths that neighbours cannot share";

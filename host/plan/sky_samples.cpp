@@ -82,7 +82,8 @@ Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
                     .seconds = choice.seconds,
                     .render_seconds = choice.render_seconds,
                     .fraction = choice.fraction,
-                    .pilot = choice.pilot};
+                    .pilot = choice.pilot,
+                    .is_told = choice.samples > 1};
   if (choice.samples == 0)
     decision.why = "no pilot: the render is short, or no path could share a sky of one colour";
   else if (choice.samples == 1)
