@@ -1,6 +1,6 @@
 // The camera that the user moves: where it goes, and that its flags say exactly where it is.
-#include "host/scene/staging/view_flags.h"
 #include "host/view/camera_control.h"
+#include "host/scene/staging/view_flags.h"
 
 #include <cmath>
 #include <numbers>

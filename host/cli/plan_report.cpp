@@ -28,10 +28,9 @@ std::string plan_table(const std::vector<Decision>& decisions) {
     table += fmt::format("  {:<18}{:<14}{}{}\n", decision.what, decision.taken, decision.why,
                          pilots.empty() ? "" : fmt::format(" ({})", pilots));
     for (const Trial& trial : decision.trials)
-      table += fmt::format("  {:<18}  {}: {:.2g}x ({:.2g} to {:.2g}){}\n", "", trial.flags, trial.cost, trial.lo,
-                           trial.hi,
-                           trial.missing > 0.0 ? fmt::format(", lacks {:.2g} % of the light", 100.0 * trial.missing)
-                                               : std::string());
+      table += fmt::format(
+          "  {:<18}  {}: {:.2g}x ({:.2g} to {:.2g}){}\n", "", trial.flags, trial.cost, trial.lo, trial.hi,
+          trial.missing > 0.0 ? fmt::format(", lacks {:.2g} % of the light", 100.0 * trial.missing) : std::string());
   }
   return table;
 }

@@ -8,8 +8,8 @@
 
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
-#include "host/plan/record.h"
 #include "host/picture/picture.h"
+#include "host/plan/record.h"
 
 namespace wavepath {
 

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/print.h"
+#include "host/cli/commands.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/progress.h"
 #include "host/cli/report.h"

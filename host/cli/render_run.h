@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "host/base/error.h"
 #include "host/base/failure.h"
 #include "host/cli/render_prepare.h"

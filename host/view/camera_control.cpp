@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-
 namespace wavepath {
 namespace {
 
