@@ -145,7 +145,7 @@ TEST(GltfPlaces, FlatInstancesAreFlatInWorldSpace) {
       {"SCALE", b.floats("VEC3", {1, 1, 0, 2, 2, 0, 1, 1, 1, 0, 0, 0})}};
   Scene scene = load(b);
   ASSERT_EQ(scene.instances.size(), 3u);
-  EXPECT_EQ(warning_count(scene, "without area"), 1u);
+  EXPECT_EQ(warning_count(scene, "zero area"), 1u);
   EXPECT_EQ(scene.instances[0].mesh, scene.instances[1].mesh) << "one flattened mesh";
   EXPECT_NE(scene.instances[0].mesh, scene.instances[2].mesh);
   const auto corner = [&](std::size_t i) {
