@@ -13,6 +13,7 @@
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
 #include "host/plan/training.h"
+#include "host/render/loop/render_loop.h"
 #include "kernels/base/learned_sky_types.h"
 #include "tests/light_rooms.h"
 
@@ -102,6 +103,30 @@ TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
   EXPECT_EQ(expected.light_pilot.rows, 0u);
   expect_same_film_however_cut(room, whole, *expected.film);
   expect_same_film_resumed(room, whole, *expected.film);
+}
+
+// Behind a pane that the camera looks through, no vertex was stored before: training must not read what an earlier
+// picture, or nobody, left in its slot.
+TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
+  Scene scene = room_with_sky(true);
+  scene.materials[1].transmission = 0.5f; // the rest is diffuse, and receives light
+  const RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
+  const Subject room = seen(scene, asked);
+  const RenderResult fresh = render(room, asked);
+  ASSERT_GT(fresh.light_pilot.sky_rows, 20u);
+  ViewRequest within;
+  within.eye = glm::dvec3(0.3, 0.1, 1.5);
+  within.look_at = glm::dvec3(0.0, -0.2, -1.0);
+  RenderLoop loop(device(), room.packed, resolve_view(scene, within, asked.width, asked.height), asked, *kernels_);
+  while (loop.step()) {
+  }
+  loop.finish();
+  loop.restart(room.view, asked);
+  while (loop.step()) {
+  }
+  const RenderResult again = loop.finish();
+  EXPECT_EQ(again.light_pilot.sky_rows, fresh.light_pilot.sky_rows);
+  EXPECT_TRUE(*again.film == *fresh.film);
 }
 
 // With many lamps besides, whose shares lie before those of the sky.
