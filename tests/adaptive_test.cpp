@@ -28,7 +28,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 #include "tests/probe.h"
@@ -64,7 +64,7 @@ TEST(SampleShares, GiveNoisyRunsMoreAndKeepTheTotal) {
   EXPECT_GT(mean_factor(shares.levels, 64 * 64), 0.5);
 }
 
-std::uint32_t hash(std::uint32_t x, std::uint32_t y) { return gpu::net_hash(y * 4096 + x); }
+std::uint32_t hash(std::uint32_t x, std::uint32_t y) { return gpu::probe_hash(y * 4096 + x); }
 
 // Where noise is even, what single pixels show of it is chance, and chance promises nothing.
 TEST(SampleShares, PromiseNothingWhereNoiseIsEven) {
@@ -210,7 +210,7 @@ protected:
     settings.last_sample = spp;
     settings.max_depth = 3;
     settings.filter = gpu::kFilterBox;
-    settings.whole_nets_from = 0;
+    settings.probes_from = 0;
     settings.adaptive = kAdaptiveOn;
     return settings;
   }
@@ -231,18 +231,18 @@ protected:
   PackedScene packed_ = pack(scene_);
 };
 
-TEST_F(AdaptiveRender, GivesBothOfHalvedNetsASample) {
+TEST_F(AdaptiveRender, GivesBothSplitReplicatesASample) {
   RenderPlan settings = settings_of(128, 96, 4);
   settings.aovs = {"variance"}; // halves nets
   const RenderResult result = render(settings);
   ASSERT_TRUE(result.noise && result.noise->used);
   EXPECT_TRUE(std::isfinite(result.error.relative_rms));
-  EXPECT_EQ(std::ranges::min(levels_of(settings)), kLowestLevelOfHalvedNets) << "the scene has quiet parts";
+  EXPECT_EQ(std::ranges::min(levels_of(settings)), kLowestLevelOfSplitReplicates) << "the scene has quiet parts";
 }
 
 // Both nets of a measured pixel have as many samples, whatever its neighbours in the block have: borders cut tiles, so
 // that runs go across blocks.
-TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
+TEST_F(AdaptiveRender, EveryReplicateHasTheSamplesOfItsPixel) {
   for (const char* integrator : {"path", "whitted"}) {
     SCOPED_TRACE(integrator);
     RenderPlan settings = settings_of(101, 67, 16);
@@ -252,13 +252,13 @@ TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
     EXPECT_GE(std::ranges::max(levels), std::ranges::min(levels) + 2) << "hardly any levels to tell apart";
     const RenderResult result = render(settings);
     const Film& film = *result.film;
-    ASSERT_TRUE(film.whole_nets);
+    ASSERT_TRUE(film.has_probes);
     for (std::uint32_t i = 0; i < 101 * 67; ++i) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(i, 101, 67);
       const std::size_t pixel = std::size_t{at.y} * 101 + at.x;
       const std::uint32_t expected = at_level(16, levels[i / kRunPixels]);
       ASSERT_EQ(film.pixels[pixel].count, expected) << i;
-      if (measured_pixel(film, block_of(film, pixel)) == pixel) {
+      if (probed_pixel(film, block_of(film, pixel)) == pixel) {
         ASSERT_EQ(film.pixels[101 * 67 + block_of(film, pixel)].count, expected) << i;
       }
     }
@@ -268,7 +268,7 @@ TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
 }
 
 // A net of a run is that of an even render of as many samples.
-TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
+TEST_F(AdaptiveRender, ReplicatesAreThoseOfEvenRenders) {
   RenderPlan settings = settings_of(101, 67, 16);
   const std::vector<std::int8_t> levels = levels_of(settings);
   const Film film = *render(settings).film;
@@ -283,7 +283,7 @@ TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(i, 101, 67);
       const std::size_t pixel = std::size_t{at.y} * 101 + at.x, block = block_of(film, pixel);
       ASSERT_TRUE(mean_radiance(film, pixel) == mean_radiance(expected, pixel)) << level << " " << i;
-      if (measured_pixel(film, block) == pixel) { // second nets among them
+      if (probed_pixel(film, block) == pixel) { // second nets among them
         ASSERT_TRUE(mean_variance(film, pixel) == mean_variance(expected, pixel)) << level << " " << i;
       }
       ++compared;
@@ -334,7 +334,7 @@ TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {
 }
 
 // The mean stays, the error falls, and what is told of it is what it is, also where one pixel measures its block.
-TEST_F(AdaptiveRender, WholeNetsTellTheirError) {
+TEST_F(AdaptiveRender, ErrorProbesTellTheirError) {
   constexpr std::uint32_t kRuns = 16;
   RenderPlan settings = settings_of(128, 128, 16), even = settings;
   even.adaptive = kAdaptiveOff;
@@ -429,7 +429,7 @@ TEST_F(AdaptiveRender, AnOpenEndRendersTheShortestPilot) {
 }
 
 // Every net is in one segment, of its band and of its pixel's level, in which all lie as far from their film entries.
-TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
+TEST_F(AdaptiveRender, SegmentsHoldEveryReplicateOnce) {
   const std::uint64_t limit = device().info().max_storage_range;
   const auto tall =
       static_cast<std::uint32_t>(std::min(limit, std::uint64_t{1} << 28) / sizeof(gpu::FilmPixel) / 1026 + 37);
@@ -437,11 +437,11 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
     for (const auto& [whole, quads] : {std::pair{true, false}, {true, true}, {false, false}}) {
       if (height == tall && !whole) continue; // would take twice the memory
       FilmTarget film(device());
-      film.fit({.width = width, .height = height, .whole_nets = whole, .seed = 3, .quads = quads}, false);
+      film.fit({.width = width, .height = height, .has_probes = whole, .seed = 3, .quads = quads}, false);
       const auto pixels = static_cast<std::uint32_t>(film.pixels());
       std::vector<std::int8_t> levels((pixels + kRunPixels - 1) / kRunPixels);
       for (std::uint32_t run = 0; run < levels.size(); ++run)
-        levels[run] = static_cast<std::int8_t>(kLowestLevel + static_cast<int>(gpu::net_hash(run) % 6));
+        levels[run] = static_cast<std::int8_t>(kLowestLevel + static_cast<int>(gpu::probe_hash(run) % 6));
       std::vector<std::uint32_t> places;
       const std::vector<Segment> segments = level_segments(film, levels, places);
       ASSERT_EQ(places.size(), film.shape().places());
@@ -458,7 +458,7 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
           const std::uint32_t place = places[segment.first_place + i];
           const glm::uvec2 at = place < pixels
                                     ? gpu::pixel_in_tile_order(place, width, height)
-                                    : gpu::measured_pixel(place - pixels, width, height, 3, film.shape().measures());
+                                    : gpu::probed_pixel(place - pixels, width, height, 3, film.shape().probes());
           wrong += levels[gpu::tile_order_of(at, width, height) / kRunPixels] != segment.level;
           wrong += place - band.entry_of(place) != offset || band.entry_of(place) >= band.places();
           if (quads && gpu::rank_in_quad(place, pixels) > 0)

@@ -18,7 +18,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/tile_order.h"
 #include "tests/coverage.h"
 #include "tests/probe.h"
@@ -171,21 +171,21 @@ struct SampledCase {
   Case subject;
   std::uint32_t samples;
 };
-class WholeNetsCoverage : public VulkanTest, public ::testing::WithParamInterface<SampledCase> {};
+class ErrorProbesCoverage : public VulkanTest, public ::testing::WithParamInterface<SampledCase> {};
 
-TEST_P(WholeNetsCoverage, TheIntervalHoldsTheTrueError) {
+TEST_P(ErrorProbesCoverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam().subject;
   // 1024 measured pixels, a quarter of what pictures have whose nets stay whole by themselves.
   constexpr std::uint32_t kSide = 128, kReference = 64;
   RenderPlan settings = small(kSide, GetParam().samples);
   settings.sampler = c.sampler;
-  settings.whole_nets_from = 0;
+  settings.probes_from = 0;
   Subject subject(device(), c.scene, settings, c.environment);
   const Picture reference = subject.render(1000000, GetParam().samples * kReference).picture;
   expect_coverage(subject, reference);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, WholeNetsCoverage,
+INSTANTIATE_TEST_SUITE_P(Scenes, ErrorProbesCoverage,
                          ::testing::Values(SampledCase{{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f}, 8},
                                            SampledCase{{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f},
                                                        16}));
@@ -282,10 +282,10 @@ void set_samples(gpu::FilmPixel& pixel, std::uint32_t count, double mean, double
 }
 
 // Whether its pixel is one of the few that are measured or not, it shows.
-TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
+TEST(ErrorProbesEstimate, AFireflyIsSeenWhereverItIs) {
   constexpr std::uint32_t kSide = 64, kCount = 16;
   constexpr double kMean = 0.5, kNoise = 0.01, kFirefly = 100.0, kWeight = 1.0 / (kMean * kMean + 0.01);
-  Film film = make_film({.width = kSide, .height = kSide, .whole_nets = true, .seed = 3});
+  Film film = make_film({.width = kSide, .height = kSide, .has_probes = true, .seed = 3});
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, kNoise);
   for (gpu::FilmPixel& pixel : film.pixels) set_samples(pixel, kCount, kMean + noise(random), 0.6);
@@ -294,11 +294,11 @@ TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
   EXPECT_NEAR(even.relative_rms * even.relative_rms, quiet, 0.25 * quiet);
   EXPECT_LT(even.largest_sample_share, 0.1);
 
-  const std::size_t block = 100, measured = measured_pixel(film, block), other = measured ^ 1;
+  const std::size_t block = 100, probed = probed_pixel(film, block), other = probed ^ 1;
   ASSERT_EQ(block_of(film, other), block);
   const double alone = std::pow(kFirefly / kCount, 2.0) * kWeight / (kSide * kSide); // added to the squared error
   const std::tuple<const char*, std::size_t, double> cases[] = {{"not measured", other, alone},
-                                                                {"first net", measured, 0.25 * alone},
+                                                                {"first net", probed, 0.25 * alone},
                                                                 {"second net", kSide * kSide + block, 0.25 * alone}};
   for (const auto& [where, place, expected] : cases) {
     SCOPED_TRACE(where);
@@ -320,14 +320,14 @@ Film noisy_film(const FilmShape& shape, bool alike) {
   std::normal_distribution<double> noise(0.0, kNoise);
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
   std::array<double, gpu::kReplicates> means{};
-  const std::uint32_t each = shape.whole_nets ? 1 : gpu::kReplicates;
+  const std::uint32_t each = shape.has_probes ? 1 : gpu::kReplicates;
   for (std::uint32_t place = 0; place < shape.places(); ++place) {
     const glm::uvec2 at = gpu::pixel_in_tile_order(std::min(place, pixels - 1), shape.width, shape.height);
     const std::size_t entry = place < pixels ? std::size_t{at.y} * shape.width + at.x : place;
     if (!alike || gpu::rank_in_quad(place, pixels) == 0)
       for (double& mean : means) mean = kMean + noise(random);
-    for (std::uint32_t net = 0; net < each; ++net)
-      set_samples(film.pixels[each * entry + net], kCount, means[net], 0.51);
+    for (std::uint32_t replicate = 0; replicate < each; ++replicate)
+      set_samples(film.pixels[each * entry + replicate], kCount, means[replicate], 0.51);
   }
   return film;
 }
@@ -363,7 +363,7 @@ QuadCoverage coverage_of_quads(FilmShape shape, bool alike) {
     result.covered += holds(error) / double{kRuns};
     result.scatter.add(scatter_of(error));
     result.ratio.add(std::pow(error.relative_rms / truth, 2.0));
-    if (film.whole_nets) continue; // the layout would be another
+    if (film.has_probes) continue; // the layout would be another
     film.quads = false;
     result.covered_before += holds(estimate_error(film)) / double{kRuns};
   }
@@ -372,17 +372,17 @@ QuadCoverage coverage_of_quads(FilmShape shape, bool alike) {
 
 // Pixels that share light err alike, so that four tell as much as one.
 TEST(QuadsEstimate, TheIntervalHoldsTheErrorOfPixelsThatErrAlike) {
-  const FilmShape whole{.width = 64, .height = 61, .whole_nets = true, .quads = true}; // 64 quads are measured
+  const FilmShape whole{.width = 64, .height = 61, .has_probes = true, .quads = true}; // 64 quads are measured
   const FilmShape halved{.width = 32, .height = 30, .quads = true};
   for (const FilmShape& shape : {whole, halved}) {
-    SCOPED_TRACE(shape.whole_nets ? "whole nets" : "halved nets");
+    SCOPED_TRACE(shape.has_probes ? "whole nets" : "halved nets");
     const QuadCoverage alike = coverage_of_quads(shape, true), apart = coverage_of_quads(shape, false);
     EXPECT_NEAR(alike.covered, 0.95, 0.04);
     EXPECT_GE(apart.covered, 0.93) << "the weights' share is for scenes whose weights are not known";
     EXPECT_NEAR(alike.scatter.mean() / apart.scatter.mean(), 4.0, 0.5) << "not twice as wide";
     EXPECT_NEAR(alike.ratio.mean(), 1.0, 0.03);
     EXPECT_NEAR(apart.ratio.mean(), 1.0, 0.03);
-    if (!shape.whole_nets) {
+    if (!shape.has_probes) {
       EXPECT_LT(alike.covered_before, 0.85);
     }
   }

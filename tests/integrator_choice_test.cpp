@@ -176,10 +176,10 @@ TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
   const View view = resolve_view(scene, {}, whole.width, whole.height);
   const PackedScene packed = pack(scene, {.eye = view.position});
   const RenderPlan small = small_picture(whole, 64, 4);
-  EXPECT_TRUE(small.kernels.whole_nets);
+  EXPECT_TRUE(small.kernels.has_probes);
   EXPECT_NE(small.kernels.added & gpu::kFeatureAdaptive, 0u);
   RenderPlan own = small;
-  own.kernels.whole_nets = false;
+  own.kernels.has_probes = false;
   own.kernels.added = 0;
   KernelCompiler kernels(device());
   SceneOnDevice shared;

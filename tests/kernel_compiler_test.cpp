@@ -31,7 +31,7 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   need.config.stack_size = 65;
   EXPECT_FALSE(generic.covers(need));
   KernelNeed whole = generic;
-  whole.config.nets = gpu::kNetsWhole; // the frame says whether nets are whole
+  whole.config.probing = gpu::kProbingOn; // the frame says whether nets are whole
   EXPECT_TRUE(whole.covers(generic));
   EXPECT_FALSE(generic.covers(whole));
   KernelNeed fewer = generic;
@@ -71,9 +71,9 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   const gpu::Feature scenes = (gpu::kFeaturesAll | gpu::kLobeMultiple) & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
   EXPECT_EQ(kernel_config(gpu::kLobeSheen, 5, settings).features, scenes | gpu::kLobesLayered);
-  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsWhole);
+  EXPECT_EQ(kernel_config(0, 5, settings).probing, gpu::kProbingOn);
   settings.width = settings.height = 16;
-  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsHalved);
+  EXPECT_EQ(kernel_config(0, 5, settings).probing, gpu::kProbingOff);
   settings.aovs = {"albedo"};
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);
   settings.adaptive = kAdaptiveOn;

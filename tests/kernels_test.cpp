@@ -56,7 +56,7 @@ struct Bench {
                   gpu::kHemisphereCosine,
                   gpu::kFilterBox,
                   walk,
-                  gpu::kNetsHalved,
+                  gpu::kProbingOff,
                   static_cast<std::uint32_t>(features >> 32)} {
     constants[gpu::kSpecLaneRays] = 2;
     frame.write(&frame_, sizeof(frame_));

@@ -166,7 +166,7 @@ TEST(Layout, Frame) {
            AT(Frame, scene_features),
            AT(Frame, local_light_count),
            AT(Frame, light_sum_scale),
-           AT(Frame, whole_nets),
+           AT(Frame, probes),
            AT(Frame, scene_lobes),
            AT(Frame, first_layers),
            AT(Frame, lens_radius),

@@ -194,7 +194,7 @@ TEST_F(MotionTest, MomentsAreStratified) {
     constexpr std::uint32_t kSeeds = 6;
     RenderPlan asked = settings(spp, 1);
     asked.sampler = sampler;
-    asked.whole_nets_from = 0;
+    asked.probes_from = 0;
     std::vector<double> sum(kSide * kSide), squares(kSide * kSide);
     for (asked.seed = 0; asked.seed < kSeeds; ++asked.seed) {
       const auto image = red(scene, asked);

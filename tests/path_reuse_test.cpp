@@ -44,13 +44,13 @@ RenderPlan apart(RenderPlan settings) {
   return settings;
 }
 
-RenderPlan halved(RenderPlan settings) {
-  settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
+RenderPlan split(RenderPlan settings) {
+  settings.probes_from = std::numeric_limits<std::uint32_t>::max();
   return settings;
 }
 
-RenderPlan whole(RenderPlan settings) {
-  settings.whole_nets_from = 0;
+RenderPlan probed(RenderPlan settings) {
+  settings.probes_from = 0;
   return settings;
 }
 
@@ -84,7 +84,7 @@ using Groups = std::vector<double>;
 // Each pixel; squares of 4x4 pixels that cut through quads, by colour; columns of pixels, since walls are upright; the
 // picture, by colour. What a quad shares out wrongly is no more and no less in the quad: it shows between its columns.
 struct Grouping {
-  std::size_t pixels, squares, columns, whole, all;
+  std::size_t pixels, squares, columns, probed, all;
 };
 Grouping grouping(const RenderPlan& settings) {
   const std::size_t pixels = std::size_t{settings.width} * settings.height;
@@ -104,7 +104,7 @@ Groups grouped(const Picture& picture, const RenderPlan& settings) {
         sums[at.pixels + y * settings.width + x] += value;
         sums[at.squares + 3 * ((y + 3) / 4 * across + (x + 3) / 4) + c] += value;
         sums[at.columns + x] += value;
-        sums[at.whole + c] += value;
+        sums[at.probed + c] += value;
       }
   return sums;
 }
@@ -132,11 +132,11 @@ void PathReuse::expect_same_picture(const char* name, const Subject& subject, co
     const Groups together = grouped(render(subject, reusing(seeded)).picture, settings),
                  alone = grouped(render(subject, apart(seeded)).picture, settings);
     for (std::size_t i = 0; i < at.all; ++i) differences[i].add(together[i] - alone[i]);
-    for (std::size_t c = 0; c < 3; ++c) sums[c].add(alone[at.whole + c]);
+    for (std::size_t c = 0; c < 3; ++c) sums[c].add(alone[at.probed + c]);
   }
   const double pixels = mean_square(differences, at.pixels, at.squares, 1e-6),
                squares = mean_square(differences, at.squares, at.columns, 1e-6),
-               columns = mean_square(differences, at.columns, at.whole, 1e-6);
+               columns = mean_square(differences, at.columns, at.probed, 1e-6);
   EXPECT_GT(pixels, 0.0) << "nothing was shared";
   // Values of a quad, and colours, are not independent: these are 5 standard deviations or more.
   EXPECT_LT(pixels, 1.6 * kMeanSquare);
@@ -144,7 +144,7 @@ void PathReuse::expect_same_picture(const char* name, const Subject& subject, co
   EXPECT_LT(columns, 3.0 * kMeanSquare);
   double seen = 0.0, off = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Mean& difference = differences[at.whole + c];
+    const Mean& difference = differences[at.probed + c];
     EXPECT_LT(std::abs(difference.mean()), kFarOff * difference.error() + 1e-5 * sums[c].mean()) << "colour " << c;
     seen = std::max(seen, kFarOff * difference.error() / sums[c].mean());
     off = std::max(off, std::abs(difference.mean()) / difference.error());
@@ -445,14 +445,14 @@ TEST_F(PathReuse, BitsDoNotDependOnHowTheWorkIsCut) {
   glossy.specular = 1.0f;
   const Scene scene = parted_room(glossy);
   for (const auto& [width, height] : {std::pair{43u, 37u}, {7u, 5u}, {1u, 1u}, {3u, 1u}})
-    for (const bool whole_nets : {false, true}) {
-      SCOPED_TRACE(fmt::format("{}x{} whole {}", width, height, whole_nets));
+    for (const bool has_probes : {false, true}) {
+      SCOPED_TRACE(fmt::format("{}x{} whole {}", width, height, has_probes));
       RenderPlan settings = reusing(asked(6));
       settings.width = width, settings.height = height;
-      settings = whole_nets ? whole(settings) : halved(settings);
+      settings = has_probes ? probed(settings) : split(settings);
       const Subject shown = room(scene, settings);
       const RenderResult expected = render(shown, settings);
-      EXPECT_EQ(expected.film->whole_nets, whole_nets);
+      EXPECT_EQ(expected.film->has_probes, has_probes);
       EXPECT_TRUE(expected.film->quads);
       expect_same_film_however_cut(shown, settings, *expected.film);
       if (width == 43) expect_same_film_resumed(shown, settings, *expected.film);
@@ -460,15 +460,15 @@ TEST_F(PathReuse, BitsDoNotDependOnHowTheWorkIsCut) {
 }
 
 TEST_F(PathReuse, BitsOfAdaptiveRendersDoNotDependOnHowTheWorkIsCut) {
-  for (const bool whole_nets : {false, true}) {
+  for (const bool has_probes : {false, true}) {
     RenderPlan settings = reusing(asked(32));
     settings.width = 43, settings.height = 37;
     settings.adaptive = kAdaptiveOn;
-    settings = whole_nets ? whole(settings) : halved(settings);
+    settings = has_probes ? probed(settings) : split(settings);
     const Subject shown = room(parted_room(plain_material()), settings);
     const RenderResult expected = render(shown, settings);
     settings.wave_slots = 777;
-    EXPECT_TRUE(*render(shown, settings).film == *expected.film) << "whole " << whole_nets;
+    EXPECT_TRUE(*render(shown, settings).film == *expected.film) << "whole " << has_probes;
   }
 }
 
@@ -575,12 +575,12 @@ Scene bright_room() {
 
 // As in error_test.cpp, by fewer seeds.
 TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
-  for (const bool whole_nets : {false, true}) {
-    SCOPED_TRACE(whole_nets ? "whole nets" : "halved nets");
+  for (const bool has_probes : {false, true}) {
+    SCOPED_TRACE(has_probes ? "whole nets" : "halved nets");
     constexpr std::uint32_t kRuns = 40, kReference = 32;
-    RenderPlan settings = reusing(asked(whole_nets ? 8 : 32));
-    settings.width = settings.height = whole_nets ? 96 : 40;
-    settings = whole_nets ? whole(settings) : halved(settings);
+    RenderPlan settings = reusing(asked(has_probes ? 8 : 32));
+    settings.width = settings.height = has_probes ? 96 : 40;
+    settings = has_probes ? probed(settings) : split(settings);
     const Subject shown = room(bright_room(), settings);
     RenderPlan long_one = settings;
     long_one.last_sample *= kReference, long_one.seed = 1000000;
@@ -591,8 +591,8 @@ TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
     });
     // 38 are expected. Of second nets there are 576 here, a quarter of what pictures have whose nets stay whole by
     // themselves: 34 are covered without reuse, of half as many samples.
-    EXPECT_GE(found.covered, whole_nets ? 31u : 35u);
-    EXPECT_NEAR(found.ratio.mean(), 1.0, whole_nets ? 0.1 : 0.05) << "its own noise is " << found.ratio.error();
+    EXPECT_GE(found.covered, has_probes ? 31u : 35u);
+    EXPECT_NEAR(found.ratio.mean(), 1.0, has_probes ? 0.1 : 0.05) << "its own noise is " << found.ratio.error();
   }
 }
 

@@ -439,17 +439,17 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
 }
 
 // The mean of both nets of measured pixels, and everywhere the variance that the two tell.
-class WholeNetsDisplay : public DisplayTest, public ::testing::WithParamInterface<std::uint32_t> {};
+class ErrorProbesDisplay : public DisplayTest, public ::testing::WithParamInterface<std::uint32_t> {};
 
-TEST_P(WholeNetsDisplay, ShowsBothNets) {
+TEST_P(ErrorProbesDisplay, ShowsBothReplicates) {
   open("cornell_box.gltf");
   settings_.reuse = GetParam();
-  settings_.whole_nets_from = 0;
+  settings_.probes_from = 0;
   settings_.aovs = {"albedo", "direct", "indirect", "emission"};
   Progressive progressive = begin();
   expect_as_rendered(progressive);
   const Film film = progressive.film();
-  ASSERT_TRUE(film.whole_nets);
+  ASSERT_TRUE(film.has_probes);
   ASSERT_EQ(film.quads, GetParam() == kReuseOn);
   Film first = film; // without second nets
   for (std::size_t i = film.shape().pixels(); i < first.pixels.size(); ++i) first.pixels[i] = {};
@@ -469,7 +469,7 @@ TEST_P(WholeNetsDisplay, ShowsBothNets) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(PixelsAndQuads, WholeNetsDisplay, ::testing::Values(kReuseOff, kReuseOn));
+INSTANTIATE_TEST_SUITE_P(PixelsAndQuads, ErrorProbesDisplay, ::testing::Values(kReuseOff, kReuseOn));
 
 TEST_F(DisplayTest, KeepsWhatItShowedUntilThereIsMore) {
   open("cornell_box.gltf");

@@ -241,7 +241,7 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kLargestIndex); });
   add_flag(app, group,
            {"--net", "N", "0, or 1 for the second stream of samples that probed pixels have", "0", kAdvanced},
-           [&](const FlagValue& value) { request.net = value.whole_number(0, 1); });
+           [&](const FlagValue& value) { request.replicate = value.whole_number(0, 1); });
 }
 
 void add_tone_flags(CLI::App& app, WriteOptions& options) {

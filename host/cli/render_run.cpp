@@ -130,7 +130,7 @@ int replay(const RenderCommandRequest& request, Prepared& prepared) {
   Device& device = *prepared.device;
   settings.training.found = learn_light_shares(prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
-  const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.net);
+  const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.replicate);
   device.pipeline_cache().save();
   print_warnings(prepared.warnings);
   const nlohmann::ordered_json document = trace_document(trace, prepared.packed, settings);

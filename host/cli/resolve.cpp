@@ -80,7 +80,8 @@ void check_replay(const RenderRequest& request) {
   if (request.pixel.has_value() != request.sample.has_value())
     throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
   if (!request.pixel) {
-    if (request.net != 0) throw UsageError("--net", "names no path alone", "give --pixel X,Y and --sample N as well");
+    if (request.replicate != 0)
+      throw UsageError("--net", "names no path alone", "give --pixel X,Y and --sample N as well");
     return;
   }
   if (settings.guide)

@@ -11,8 +11,8 @@
 #include <tbb/parallel_for.h>
 
 #include "host/film/film.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
 #include "kernels/base/tile_order.h"
 
 namespace wavepath {
@@ -31,13 +31,13 @@ struct Rows {
         begin((first > 0 ? first - 1 : 0) * film.width),
         pixels(std::min<std::size_t>(end + 1, film.height) * film.width - begin) {
     // Of some pixels in a row the same, by quads of those of equal rank.
-    std::array<std::optional<NetDifference>, gpu::kQuadPixels> ranks;
+    std::array<std::optional<ReplicateDifference>, gpu::kQuadPixels> ranks;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const std::size_t pixel = begin + i, block = film.whole_nets ? block_of(film, pixel) : pixel;
-      const std::size_t measured = film.whole_nets ? measured_pixel(film, block) : pixel;
-      std::optional<NetDifference>& nets = ranks[block % ranks.size()];
-      if (!nets || measured != nets->measured) nets = net_difference(film, measured);
-      pixels[i] = statistics(film, pixel, *nets);
+      const std::size_t pixel = begin + i, block = film.has_probes ? block_of(film, pixel) : pixel;
+      const std::size_t probed = film.has_probes ? probed_pixel(film, block) : pixel;
+      std::optional<ReplicateDifference>& replicates = ranks[block % ranks.size()];
+      if (!replicates || probed != replicates->probed) replicates = replicate_difference(film, probed);
+      pixels[i] = statistics(film, pixel, *replicates);
     }
   }
   // By the index of the pixel in the picture.
@@ -107,9 +107,9 @@ struct Sums {
 struct BlockShare {
   double pixels = 0.0, times = 0.0;
 };
-BlockShare share_of(const Film& film, std::size_t measured) {
-  const auto pixels = static_cast<double>(pixels_measured_by(film, measured));
-  const double both = sample_count(film, measured), first = film.pixels[measured].count;
+BlockShare share_of(const Film& film, std::size_t probed) {
+  const auto pixels = static_cast<double>(pixels_probed_by(film, probed));
+  const double both = sample_count(film, probed), first = film.pixels[probed].count;
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
 }
 
@@ -153,14 +153,14 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* qu
   Sums sums;
   sums.largest_alone = largest_known;
   for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
-    const bool measured = !film.whole_nets || measured_pixel(film, block_of(film, i)) == i;
+    const bool probed = !film.has_probes || probed_pixel(film, block_of(film, i)) == i;
     const double largest = largest_alone(film, i), alone = largest * largest;
-    if (!measured && alone / kFloor <= sums.largest_alone) continue; // whatever it weighs
+    if (!probed && alone / kFloor <= sums.largest_alone) continue; // whatever it weighs
     // A pixel that is not measured has the variance of one that did not get its bright sample.
-    const glm::dvec3 w = weight(rows, i, measured ? 0.0 : alone);
-    const BlockShare share = film.whole_nets && measured ? share_of(film, i) : BlockShare{1.0, 1.0};
+    const glm::dvec3 w = weight(rows, i, probed ? 0.0 : alone);
+    const BlockShare share = film.has_probes && probed ? share_of(film, i) : BlockShare{1.0, 1.0};
     sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * share.times);
-    if (!measured) continue;
+    if (!probed) continue;
     const double squared = mean_of(rows[i].variance * w) * share.times / share.pixels;
     if (quads)
       quads->add(i, squared, share.pixels);
@@ -199,13 +199,13 @@ ErrorEstimate estimate_error(const Film& film) {
   // pixels: where their pixels err independently the means scatter a quarter as much, where they err alike as much as
   // single ones, and the interval is twice as wide.
   constexpr double kWeights = 0.05; // standard deviation of that
-  const double measured = film.whole_nets ? static_cast<double>(film.shape().second_nets()) : n;
+  const double probed = film.has_probes ? static_cast<double>(film.shape().probe_count()) : n;
   const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels to each squared error
-  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / measured + 1.0 / n);
+  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / probed + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
   double high = mean + kNormal95 * spread, share = sum > 0.0 ? largest / sum : 0.0;
-  if (film.whole_nets) { // the largest sample may lie where nothing is measured
+  if (film.has_probes) { // the largest sample may lie where nothing is measured
     high = std::max(high, mean + largest / n);
     share = std::min(share, 1.0);
   }

@@ -91,14 +91,14 @@ glm::dvec3 total_of(const gpu::SplatPixel& pixel) {
 }
 
 // The nets of a pixel; the second is null where a whole net is not measured.
-struct PixelNets {
+struct PixelReplicates {
   const gpu::FilmPixel *first, *second;
 };
-PixelNets nets_of(const Film& film, std::size_t pixel) {
-  if (!film.whole_nets) return {&film.pixels[2 * pixel], &film.pixels[2 * pixel + 1]};
+PixelReplicates replicates_of(const Film& film, std::size_t pixel) {
+  if (!film.has_probes) return {&film.pixels[2 * pixel], &film.pixels[2 * pixel + 1]};
   const std::size_t block = block_of(film, pixel);
-  const bool measured = measured_pixel(film, block) == pixel;
-  return {&film.pixels[pixel], measured ? &film.pixels[film.shape().pixels() + block] : nullptr};
+  const bool probed = probed_pixel(film, block) == pixel;
+  return {&film.pixels[pixel], probed ? &film.pixels[film.shape().pixels() + block] : nullptr};
 }
 
 // Mean light that the light paths of one replicate brought to a pixel.
@@ -189,42 +189,42 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
          same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths &&
-         whole_nets == other.whole_nets && quads == other.quads && (!whole_nets || seed == other.seed);
+         has_probes == other.has_probes && quads == other.quads && (!has_probes || seed == other.seed);
 }
 
 Film make_film(const FilmShape& shape) {
-  Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.nets()), {}, {}};
+  Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.replicates()), {}, {}};
   if (shape.aovs) film.aovs.resize(shape.places());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
-  film.whole_nets = shape.whole_nets, film.seed = shape.seed, film.quads = shape.quads;
-  film.measured.resize(shape.second_nets());
-  for (std::uint32_t block = 0; block < film.measured.size(); ++block) {
-    const glm::uvec2 at = gpu::measured_pixel(block, film.width, film.height, film.seed, shape.measures());
-    film.measured[block] = at.y * film.width + at.x;
+  film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
+  film.probed.resize(shape.probe_count());
+  for (std::uint32_t block = 0; block < film.probed.size(); ++block) {
+    const glm::uvec2 at = gpu::probed_pixel(block, film.width, film.height, film.seed, shape.probes());
+    film.probed[block] = at.y * film.width + at.x;
   }
   return film;
 }
 
-// gpu::net_block_of() with one division, in 32 bits.
+// gpu::probe_block_of() with one division, in 32 bits.
 std::size_t block_of(const Film& film, std::size_t pixel) {
   const auto index = static_cast<std::uint32_t>(pixel), y = index / film.width, x = index - y * film.width;
-  if (film.quads) return gpu::net_block_of({x, y}, film.width, film.height, gpu::kMeasuresQuads);
-  const std::uint32_t side = gpu::net_side(film.width, film.height);
+  if (film.quads) return gpu::probe_block_of({x, y}, film.width, film.height, gpu::kProbesQuads);
+  const std::uint32_t side = gpu::probe_block_side(film.width, film.height);
   const int shift = std::countr_zero(side);
   return std::size_t{y >> shift} * ((film.width + side - 1) >> shift) + (x >> shift);
 }
 
-std::size_t measured_pixel(const Film& film, std::size_t block) { return film.measured[block]; }
+std::size_t probed_pixel(const Film& film, std::size_t block) { return film.probed[block]; }
 
-std::size_t pixels_measured_by(const Film& film, std::size_t measured) {
+std::size_t pixels_probed_by(const Film& film, std::size_t probed) {
   if (film.quads) {
-    const auto block = static_cast<std::uint32_t>(block_of(film, measured)), rank = block % gpu::kQuadPixels;
+    const auto block = static_cast<std::uint32_t>(block_of(film, probed)), rank = block % gpu::kQuadPixels;
     const gpu::TileBlock all = gpu::tile_block(block / gpu::kQuadPixels, film.width, film.height);
     return (all.pixels - rank + gpu::kQuadPixels - 1) / gpu::kQuadPixels; // every fourth, from that rank on
   }
-  const std::size_t whole = gpu::net_side(film.width, film.height);
+  const std::size_t whole = gpu::probe_block_side(film.width, film.height);
   const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
-  return side(measured % film.width, film.width) * side(measured / film.width, film.height);
+  return side(probed % film.width, film.width) * side(probed / film.width, film.height);
 }
 
 void join(Film& film, const Film& other) {
@@ -241,17 +241,17 @@ void count_light_paths(Film& film) {
 }
 
 std::uint32_t sample_count(const Film& film, std::size_t pixel) {
-  const auto [a, b] = nets_of(film, pixel);
+  const auto [a, b] = replicates_of(film, pixel);
   return a->count + (b ? b->count : 0);
 }
 
 float largest_sample(const Film& film, std::size_t pixel) {
-  const auto [a, b] = nets_of(film, pixel);
+  const auto [a, b] = replicates_of(film, pixel);
   return std::max(a->largest, b ? b->largest : 0.0f);
 }
 
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
-  const auto [a, b] = nets_of(film, pixel);
+  const auto [a, b] = replicates_of(film, pixel);
   gpu::FilmPixel all = *a;
   if (b) join(all, *b);
   const glm::dvec3 mean = all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
@@ -260,42 +260,42 @@ glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
 
 gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
   gpu::FilmAovs mean = film.aovs[pixel];
-  if (!film.whole_nets) return mean;
+  if (!film.has_probes) return mean;
   const std::size_t block = block_of(film, pixel);
-  if (measured_pixel(film, block) == pixel) join(mean, film.aovs[film.shape().pixels() + block]);
+  if (probed_pixel(film, block) == pixel) join(mean, film.aovs[film.shape().pixels() + block]);
   return mean;
 }
 
 // Two nets a, b of n and m samples each vary by v / n and v / m, where (a - b)^2 estimates the sum of the two; so a
 // mean of k samples varies by v / k = (a - b)^2 nm / (n + m) / k, which is (a - b)^2 / 4 for that of both where n = m.
-NetDifference net_difference(const Film& film, std::size_t measured) {
+ReplicateDifference replicate_difference(const Film& film, std::size_t probed) {
   static_assert(gpu::kReplicates == 2);
-  const auto [a, b] = nets_of(film, measured);
+  const auto [a, b] = replicates_of(film, probed);
   const double n = a->count, m = b->count;
-  if (n == 0.0 || m == 0.0) return {measured, glm::dvec3(0.0), n, m};
+  if (n == 0.0 || m == 0.0) return {probed, glm::dvec3(0.0), n, m};
   const glm::dvec3 difference =
-      total_of(*a) / n - total_of(*b) / m + mean_splat(film, measured, 0) - mean_splat(film, measured, 1);
-  return {measured, difference * difference, n, m};
+      total_of(*a) / n - total_of(*b) / m + mean_splat(film, probed, 0) - mean_splat(film, probed, 1);
+  return {probed, difference * difference, n, m};
 }
 
-PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDifference& nets) {
-  const double n = nets.first, m = nets.second;
-  const double count = pixel == nets.measured ? n + m : film.pixels[pixel].count;
+PixelStatistics statistics(const Film& film, std::size_t pixel, const ReplicateDifference& replicates) {
+  const double n = replicates.first, m = replicates.second;
+  const double count = pixel == replicates.probed ? n + m : film.pixels[pixel].count;
   if (n == 0.0 || m == 0.0 || count == 0.0)
     return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
   glm::dvec3 sum;
-  if (pixel == nets.measured) {
-    const auto [a, b] = nets_of(film, pixel);
+  if (pixel == replicates.probed) {
+    const auto [a, b] = replicates_of(film, pixel);
     sum = total_of(*a) + total_of(*b);
   } else {
     sum = total_of(film.pixels[pixel]);
   }
-  return {sum / count + mean_splat(film, pixel), nets.squared * (n * m / ((n + m) * count))};
+  return {sum / count + mean_splat(film, pixel), replicates.squared * (n * m / ((n + m) * count))};
 }
 
 PixelStatistics statistics(const Film& film, std::size_t pixel) {
-  const std::size_t measured = film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
-  return statistics(film, pixel, net_difference(film, measured));
+  const std::size_t probed = film.has_probes ? probed_pixel(film, block_of(film, pixel)) : pixel;
+  return statistics(film, pixel, replicate_difference(film, probed));
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

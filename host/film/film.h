@@ -9,8 +9,8 @@
 #include <glm/glm.hpp>
 
 #include "host/picture/picture.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
 #include "kernels/film/film_types.h"
 
 namespace wavepath {
@@ -19,25 +19,25 @@ namespace wavepath {
 struct FilmShape {
   std::uint32_t width = 0, height = 0;
   bool aovs = false, splats = false;
-  bool whole_nets = false; // see kernels/base/net_layout.h
+  bool has_probes = false; // see kernels/base/error_probes.h
   std::uint32_t seed = 0;  // of the render: it picks the measured pixels of whole nets
   bool quads = false;      // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
-  // As gpu::Frame::whole_nets.
-  std::uint32_t measures() const {
-    return !whole_nets ? gpu::kMeasuresAll : quads ? gpu::kMeasuresQuads : gpu::kMeasuresPixels;
+  // As gpu::Frame::has_probes.
+  std::uint32_t probes() const {
+    return !has_probes ? gpu::kProbesNone : quads ? gpu::kProbesQuads : gpu::kProbesPixels;
   }
   // Of the upper rows, which are all or end with a row of tiles.
-  std::uint32_t second_nets_above(std::uint32_t rows) const {
-    return rows > 0 && width > 0 ? gpu::second_nets_above(rows, width, height, measures()) : 0;
+  std::uint32_t probes_above(std::uint32_t rows) const {
+    return rows > 0 && width > 0 ? gpu::probes_above(rows, width, height, probes()) : 0;
   }
-  std::uint64_t second_nets() const { return second_nets_above(height); }
-  std::uint64_t places() const { return pixels() + second_nets(); } // with AOVs of their own
-  std::uint64_t nets() const { return whole_nets ? places() : gpu::kReplicates * pixels(); }
+  std::uint64_t probe_count() const { return probes_above(height); }
+  std::uint64_t places() const { return pixels() + probe_count(); } // with AOVs of their own
+  std::uint64_t replicates() const { return has_probes ? places() : gpu::kReplicates * pixels(); }
   // Memory of all sums.
   std::uint64_t bytes() const {
-    return nets() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
+    return replicates() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);
   }
   bool operator==(const FilmShape&) const = default;
@@ -52,13 +52,13 @@ struct Film {
   std::vector<gpu::SplatPixel> splats; // kReplicates each; empty unless the integrator has light paths
   // Samples of all pixels, by replicate: each traced a light path, which may have brought light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
-  bool whole_nets = false;
+  bool has_probes = false;
   std::uint32_t seed = 0; // see FilmShape
   bool quads = false;
   // Of whole nets, by block: the pixel that is measured. A table, since every look at a pixel asks for it.
-  std::vector<std::uint32_t> measured;
+  std::vector<std::uint32_t> probed;
 
-  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), whole_nets, seed, quads}; }
+  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads}; }
   bool operator==(const Film& other) const; // bit by bit
 };
 
@@ -67,9 +67,9 @@ Film make_film(const FilmShape& shape);
 
 // Whole nets: the block of a pixel, which is the place of its second net among them, and the pixel of it that has it.
 std::size_t block_of(const Film& film, std::size_t pixel);
-std::size_t measured_pixel(const Film& film, std::size_t block);
+std::size_t probed_pixel(const Film& film, std::size_t block);
 // Pixels of the block whose measured pixel that is.
-std::size_t pixels_measured_by(const Film& film, std::size_t measured);
+std::size_t pixels_probed_by(const Film& film, std::size_t probed);
 
 // The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means
 // in floats, and join to within their rounding. Both have one size.
@@ -101,13 +101,13 @@ PixelStatistics statistics(const Film& film, std::size_t pixel);
 
 // The same in two steps, for those who go from pixel to pixel: what the nets of the pixel that is measured for this one
 // differ by, and the statistics from that.
-struct NetDifference {
-  std::size_t measured = 0;
+struct ReplicateDifference {
+  std::size_t probed = 0;
   glm::dvec3 squared{};
   double first = 0.0, second = 0.0; // samples of the nets
 };
-NetDifference net_difference(const Film& film, std::size_t measured);
-PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDifference& nets);
+ReplicateDifference replicate_difference(const Film& film, std::size_t probed);
+PixelStatistics statistics(const Film& film, std::size_t pixel, const ReplicateDifference& replicates);
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel);
 
 } // namespace wavepath

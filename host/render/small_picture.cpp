@@ -5,8 +5,8 @@
 #include "host/base/error.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/path_reuse.h"
-#include "host/render/settings/whole_nets.h"
-#include "kernels/base/net_layout.h"
+#include "host/render/settings/probing.h"
+#include "kernels/base/error_probes.h"
 
 namespace wavepath {
 
@@ -21,7 +21,7 @@ RenderPlan small_picture(const RenderPlan& settings, std::uint32_t longest_side,
   small.training.paths = 0;
   small.training.guide_iterations = std::min(small.training.guide_iterations, kGuideIterations);
   if (reuses_paths(settings)) small.quad_scale *= static_cast<double>(small.width) / settings.width;
-  small.kernels.whole_nets |= has_whole_nets(settings);
+  small.kernels.has_probes |= has_error_probes(settings);
   if (is_adaptive(settings)) small.kernels.added |= gpu::kFeatureAdaptive;
   return small;
 }

@@ -13,7 +13,7 @@ layout(constant_id = kSpecWalk) const uint kWalk = kWalkByLane;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
 layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
 layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
-layout(constant_id = kSpecNets) const uint kNets = kNetsWhole;
+layout(constant_id = kSpecProbing) const uint kProbing = kProbingOn;
 layout(constant_id = kSpecLens) const uint kLens = kLensPinhole;
 layout(constant_id = kSpecCull) const uint kCull = kCullCamera;
 layout(constant_id = kSpecMotion) const uint kMotion = 0u;

@@ -90,7 +90,7 @@ GPU_CONSTANT uint kSpecDirect = 3u;
 GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
 GPU_CONSTANT uint kSpecWalk = 6u;    // how lanes walk through the BVH; changes no result
-GPU_CONSTANT uint kSpecNets = 7u;    // whether pixels may have whole nets; gpu::Frame says whether they have
+GPU_CONSTANT uint kSpecProbing = 7u; // whether pixels may have whole nets; gpu::Frame says whether they have
 GPU_CONSTANT uint kSpecLobes = 8u;   // kLobe bits
 GPU_CONSTANT uint kSpecLens = 9u;    // shape of the camera's aperture: kLensPinhole, kLensDisc, or a number of blades
 GPU_CONSTANT uint kSpecCull = 10u;   // which rays single-sided surfaces let pass from behind (kFeatureCull)
@@ -107,7 +107,7 @@ GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSob
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
 GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
-GPU_CONSTANT uint kNetsHalved = 0u, kNetsWhole = 1u; // see kernels/base/net_layout.h
+GPU_CONSTANT uint kProbingOff = 0u, kProbingOn = 1u; // see kernels/base/error_probes.h
 GPU_CONSTANT uint kWalkByLane = 0u, kWalkInStep = 1u;
 GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular polygon of so many corners
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;

@@ -3,13 +3,13 @@
 #define WAVEPATH_PIXEL_GLSL
 
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/sampler.glsl"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 
 // Kernels made for whole nets may serve a render of halved ones.
-bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != kMeasuresAll; }
+bool has_error_probes() { return kProbing == kProbingOn && frame.probes != kProbesNone; }
 
 // The pixel, in tile order, that pixel `local` of the wave is; of second nets the place after all pixels.
 uint wave_pixel(uint local) {
@@ -17,7 +17,7 @@ uint wave_pixel(uint local) {
   return has(kFeatureAdaptive) ? texelFetch(place_texels, int(place)).x : place;
 }
 
-bool is_second_net(uint place) { return has_whole_nets() && place >= frame.width * frame.height; }
+bool is_probe(uint place) { return has_error_probes() && place >= frame.width * frame.height; }
 
 WavePart slot_part(uint slot) { return has(kFeatureAdaptive) ? part_of_slot(wave, slot) : even_part(wave); }
 uint wave_slots() { return has(kFeatureAdaptive) ? level_slots(wave) : wave.pixel_count * wave.sample_count; }
@@ -26,9 +26,9 @@ uint slot_place(uint slot) { return wave_pixel(local_place(slot_part(slot), slot
 
 uvec2 slot_pixel(uint slot) {
   uint place = slot_place(slot);
-  if (is_second_net(place))
-    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed,
-                          kReuse == kReuseNone ? kMeasuresPixels : frame.whole_nets);
+  if (is_probe(place))
+    return probed_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed,
+                          kReuse == kReuseNone ? kProbesPixels : frame.probes);
   return pixel_in_tile_order(place, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
@@ -40,9 +40,9 @@ uint slot_sample(uint slot) {
 Sampler slot_sampler(uint slot) {
   uvec2 at = slot_pixel(slot);
   uint pixel = at.y * frame.width + at.x, sample_ = slot_sample(slot);
-  if (!has_whole_nets()) return make_sampler(frame.seed, pixel, sample_, frame.sample_total);
-  uint replicate = is_second_net(slot_place(slot)) ? 1u : 0u;
-  return make_net_sampler(frame.seed, pixel, replicate, sample_, frame.sample_total);
+  if (!has_error_probes()) return make_sampler(frame.seed, pixel, sample_, frame.sample_total);
+  uint replicate = is_probe(slot_place(slot)) ? 1u : 0u;
+  return make_replicate_sampler(frame.seed, pixel, replicate, sample_, frame.sample_total);
 }
 
 #endif

@@ -2,7 +2,7 @@
 // Sobol.
 //
 // A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn, or all make one net
-// (net_layout.h); each replicate is an independent randomization of the same point set, so that the spread of their
+// (error_probes.h); each replicate is an independent randomization of the same point set, so that the spread of their
 // means measures the error of any sampler.
 #ifndef WAVEPATH_SAMPLER_GLSL
 #define WAVEPATH_SAMPLER_GLSL
@@ -32,7 +32,7 @@ uvec3 pcg3d(uvec3 v) {
 }
 
 // Point `index` of one replicate.
-Sampler make_net_sampler(uint seed, uint pixel, uint replicate, uint index, uint count) {
+Sampler make_replicate_sampler(uint seed, uint pixel, uint replicate, uint index, uint count) {
   return Sampler(replicate, index, max(1u, count), pcg3d(uvec3(seed, pixel, replicate)).x);
 }
 
@@ -44,7 +44,7 @@ uint samples_of_half(uint sample_total, uint replicate) {
 // Sample `sample_` of halved nets.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
   uint replicate = sample_ % kReplicates;
-  return make_net_sampler(seed, pixel, replicate, sample_ / kReplicates, samples_of_half(sample_total, replicate));
+  return make_replicate_sampler(seed, pixel, replicate, sample_ / kReplicates, samples_of_half(sample_total, replicate));
 }
 
 // ---- Owen-scrambled Sobol ---------------------------------------------------------------------------------------

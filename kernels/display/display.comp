@@ -7,7 +7,7 @@
 #include "kernels/display/tonemap.glsl"
 #include "kernels/film/film_types.h"
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/tile_order.h"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -112,13 +112,13 @@ void main() {
   uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
   if (pixel >= job.film_pixel_count) return; // in another band
   vec4 a, b, sum;
-  if (job.whole_nets != kMeasuresAll) {
-    uint block = net_block_of(film_at, job.film_width, job.film_height, job.whole_nets);
-    uvec2 measured_at = measured_pixel(block, job.film_width, job.film_height, job.seed, job.whole_nets);
-    uint measured = tile_order_of(measured_at, job.film_width, job.film_height) - job.first_film_pixel;
-    a = fetch_sum(measured);
-    b = fetch_sum(job.film_pixel_count + block - job.first_second);
-    sum = measured != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown of first nets alone
+  if (job.probes != kProbesNone) {
+    uint block = probe_block_of(film_at, job.film_width, job.film_height, job.probes);
+    uvec2 probed_at = probed_pixel(block, job.film_width, job.film_height, job.seed, job.probes);
+    uint probed = tile_order_of(probed_at, job.film_width, job.film_height) - job.first_film_pixel;
+    a = fetch_sum(probed);
+    b = fetch_sum(job.film_pixel_count + block - job.first_probe);
+    sum = probed != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown of first nets alone
   } else {
     a = fetch_sum(pixel * kReplicates);
     b = fetch_sum(pixel * kReplicates + 1u);

@@ -29,8 +29,8 @@ struct DisplayJob {
   uint film_height;
   uint first_film_pixel; // in tile order, of the band that is bound
   uint film_pixel_count; // of that band
-  uint whole_nets;       // as Frame has it
-  uint first_second;     // block of the band's first second net
+  uint probes;           // as Frame has it
+  uint first_probe;      // block of the band's first second net
   uint seed;             // of the render
   uint shown;
   uint tonemap;

@@ -21,7 +21,7 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 // Adds the place's samples first, first + step, ... to one entry of the film: read once, written once.
-void accumulate_net(WavePart part, uint first_slot, uint entry, uint first, uint step_) {
+void accumulate_replicate(WavePart part, uint first_slot, uint entry, uint first, uint step_) {
   if (first >= part.samples) return;
   FilmPixel pixel = fetch_film_pixel(entry);
   for (uint s = first; s < part.samples; s += step_) {
@@ -38,11 +38,11 @@ void main() {
   WavePart part = even_part(wave);
   if (has(kFeatureAdaptive)) part = part_of_place(wave, local);
   uint film_index = wave_pixel(local) - wave.first_film_pixel, first_slot = part.first_slot + local - part.first_place;
-  if (has_whole_nets()) {
-    accumulate_net(part, first_slot, film_index, 0u, 1u);
+  if (has_error_probes()) {
+    accumulate_replicate(part, first_slot, film_index, 0u, 1u);
   } else {
     for (uint replicate = 0u; replicate < kReplicates; ++replicate)
-      accumulate_net(part, first_slot, film_index * kReplicates + replicate,
+      accumulate_replicate(part, first_slot, film_index * kReplicates + replicate,
                      (replicate + kReplicates - part.first_sample % kReplicates) % kReplicates, kReplicates);
   }
   if (!has(kFeatureAovs)) return;

@@ -11,7 +11,7 @@
 const uint kSecondReplicate = 1u << 31u; // of halved nets, beside the index in its replicate
 
 void store_sampler(uint slot, Sampler s) {
-  uint replicate = has_whole_nets() ? 0u : s.replicate * kSecondReplicate;
+  uint replicate = has_error_probes() ? 0u : s.replicate * kSecondReplicate;
   if (has(kFeatureAdaptive)) receiver_words[slot] = uvec4(s.scramble, s.index | replicate, 0u, 0u);
 }
 
@@ -19,7 +19,7 @@ Sampler fetch_sampler(uint slot) {
   if (!has(kFeatureAdaptive)) return slot_sampler(slot);
   uvec2 kept = texelFetch(receiver_texels, int(slot)).xy;
   // Replicates differ by their scramble.
-  if (has_whole_nets()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x);
+  if (has_error_probes()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x);
   uint replicate = kept.y / kSecondReplicate;
   return Sampler(replicate, kept.y % kSecondReplicate, max(1u, samples_of_half(frame.sample_total, replicate)), kept.x);
 }
@@ -28,7 +28,7 @@ Sampler fetch_sampler(uint slot) {
 uint fetch_sample(uint slot) {
   if (!has(kFeatureAdaptive)) return slot_sample(slot);
   Sampler s = fetch_sampler(slot);
-  return has_whole_nets() ? s.index : s.index * kReplicates + s.replicate;
+  return has_error_probes() ? s.index : s.index * kReplicates + s.replicate;
 }
 
 #endif

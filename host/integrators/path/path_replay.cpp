@@ -9,10 +9,10 @@
 
 #include "host/base/error.h"
 #include "host/render/settings/light_samples.h"
+#include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/whole_nets.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
 #include "kernels/base/scene_types.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
@@ -24,7 +24,7 @@ namespace {
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 RenderPlan without_extras(RenderPlan settings) {
-  settings.whole_nets_from = has_whole_nets(settings) ? 0 : std::numeric_limits<std::uint32_t>::max();
+  settings.probes_from = has_error_probes(settings) ? 0 : std::numeric_limits<std::uint32_t>::max();
   settings.aovs.clear();
   return settings;
 }
@@ -108,18 +108,18 @@ PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::
   return queues().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
 }
 
-std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t net) const {
+std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t replicate) const {
   const gpu::Frame& frame = workspace_.frame;
-  if (net == 0) return gpu::tile_order_of(pixel, frame.width, frame.height);
+  if (replicate == 0) return gpu::tile_order_of(pixel, frame.width, frame.height);
   const FilmShape& shape = workspace_.film.shape();
-  const std::uint32_t block = gpu::net_block_of(pixel, frame.width, frame.height, shape.measures());
-  if (!shape.whole_nets || gpu::measured_pixel(block, frame.width, frame.height, shape.seed, shape.measures()) != pixel)
+  const std::uint32_t block = gpu::probe_block_of(pixel, frame.width, frame.height, shape.probes());
+  if (!shape.has_probes || gpu::probed_pixel(block, frame.width, frame.height, shape.seed, shape.probes()) != pixel)
     throw Error("--net", fmt::format("pixel {},{} has no second net", pixel.x, pixel.y), "leave it out");
   return frame.width * frame.height + block;
 }
 
-PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net) {
-  const std::uint32_t place = place_of(pixel, net);
+PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate) {
+  const std::uint32_t place = place_of(pixel, replicate);
   wave_ = gpu::even_wave(place, 1, sample, 1, place);
   PathTrace trace{pixel, sample};
   const auto note = [&](const glm::vec3& radiance, std::uint32_t maker) {

@@ -48,10 +48,10 @@ public:
   // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
   // learned (Training::found).
   // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
-  PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net = 0);
+  PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate = 0);
 
 private:
-  std::uint32_t place_of(glm::uvec2 pixel, std::uint32_t net) const;
+  std::uint32_t place_of(glm::uvec2 pixel, std::uint32_t replicate) const;
   void run(PathStage stage, std::uint32_t bounce);
   void shade(std::uint32_t bounce);
   gpu::Queues queues() const;

@@ -109,56 +109,56 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 // The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
 // there are any, then FilmAovs of second nets. Second nets lie where the measured pixels do; other pixels have zeros
 // there, which take next to no room in a compressed file.
-constexpr std::size_t kNetWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kNetWords,
+constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
-constexpr const char* kWholeNets = "whole"; // value of the attribute wavepath.nets
-constexpr const char* kQuads = "quads";     // of wavepath.shared: pixels that share samples
+constexpr const char* kWithProbes = "whole"; // value of the attribute wavepath.nets
+constexpr const char* kQuads = "quads";      // of wavepath.shared: pixels that share samples
 
 std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
 std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}", kFilmPrefix, word); }
-std::string second_channel(std::size_t word) { return fmt::format("{}second.{:02}", kFilmPrefix, word); }
+std::string probe_channel(std::size_t word) { return fmt::format("{}second.{:02}", kFilmPrefix, word); }
 std::vector<std::string> film_channels(const FilmShape& film) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kPixelWords + (film.aovs ? kAovWords : 0); ++i) names.push_back(film_channel(i));
   for (std::size_t i = 0; i < (film.splats ? kSplatWords : 0); ++i) names.push_back(splat_channel(i));
-  for (std::size_t i = 0; i < (film.aovs && film.whole_nets ? kAovWords : 0); ++i) names.push_back(second_channel(i));
+  for (std::size_t i = 0; i < (film.aovs && film.has_probes ? kAovWords : 0); ++i) names.push_back(probe_channel(i));
   return names;
 }
 
 // The sums of second nets, where the measured pixels lie.
-struct SecondNets {
-  explicit SecondNets(const FilmShape& film)
-      : pixels(film.whole_nets ? film.pixels() : 0), aovs(film.whole_nets && film.aovs ? film.pixels() : 0) {}
+struct ProbeSums {
+  explicit ProbeSums(const FilmShape& film)
+      : pixels(film.has_probes ? film.pixels() : 0), aovs(film.has_probes && film.aovs ? film.pixels() : 0) {}
   std::vector<gpu::FilmPixel> pixels;
   std::vector<gpu::FilmAovs> aovs;
 };
 
 // Calls body(place in the film, pixel) for every second net.
 template <class Body>
-void for_second_nets(const Film& film, Body body) {
+void for_each_probe(const Film& film, Body body) {
   const FilmShape shape = film.shape();
-  for (std::size_t block = 0; block < shape.second_nets(); ++block)
-    body(shape.pixels() + block, measured_pixel(film, block));
+  for (std::size_t block = 0; block < shape.probe_count(); ++block)
+    body(shape.pixels() + block, probed_pixel(film, block));
 }
 
 // Points OpenEXR at the words where they lie, for reading and writing alike.
-void insert_film(Imf::FrameBuffer& pixels, Film& film, SecondNets& second) {
+void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
   const auto insert = [&](const std::string& channel, void* first, std::size_t words) {
     const std::size_t stride = 4 * words;
     pixels.insert(channel, Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
   };
   const auto words_of = [](auto& values) { return reinterpret_cast<std::uint32_t*>(values.data()); };
-  if (film.whole_nets) {
-    for (std::size_t i = 0; i < kNetWords; ++i) {
-      insert(film_channel(i), words_of(film.pixels) + i, kNetWords);
-      insert(film_channel(kNetWords + i), words_of(second.pixels) + i, kNetWords);
+  if (film.has_probes) {
+    for (std::size_t i = 0; i < kReplicateWords; ++i) {
+      insert(film_channel(i), words_of(film.pixels) + i, kReplicateWords);
+      insert(film_channel(kReplicateWords + i), words_of(probes.pixels) + i, kReplicateWords);
     }
   } else {
     for (std::size_t i = 0; i < kPixelWords; ++i) insert(film_channel(i), words_of(film.pixels) + i, kPixelWords);
   }
   for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i) {
     insert(film_channel(kPixelWords + i), words_of(film.aovs) + i, kAovWords);
-    if (film.whole_nets) insert(second_channel(i), words_of(second.aovs) + i, kAovWords);
+    if (film.has_probes) insert(probe_channel(i), words_of(probes.aovs) + i, kAovWords);
   }
   for (std::size_t i = 0; i < (film.splats.empty() ? 0 : kSplatWords); ++i)
     insert(splat_channel(i), words_of(film.splats) + i, kSplatWords);
@@ -191,7 +191,7 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
     add_text("wavepath.identity", info.identity);
     add_text("wavepath.device", info.device);
     header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
-    if (info.film->whole_nets) add_text("wavepath.nets", kWholeNets);
+    if (info.film->has_probes) add_text("wavepath.nets", kWithProbes);
     if (info.film->quads) add_text("wavepath.shared", kQuads);
     for (const std::string& channel : film_channels(info.film->shape()))
       header.channels().insert(channel, Imf::Channel(Imf::UINT));
@@ -262,13 +262,13 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
     pixels.insert(channel.name, Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT,
                                            static_cast<char*>(const_cast<void*>(values)), size, size * picture.width));
   }
-  SecondNets second(info.film ? info.film->shape() : FilmShape{});
+  ProbeSums probes(info.film ? info.film->shape() : FilmShape{});
   if (info.film) {
-    for_second_nets(*info.film, [&](std::size_t place, std::size_t pixel) {
-      second.pixels[pixel] = info.film->pixels[place];
-      if (!second.aovs.empty()) second.aovs[pixel] = info.film->aovs[place];
+    for_each_probe(*info.film, [&](std::size_t place, std::size_t pixel) {
+      probes.pixels[pixel] = info.film->pixels[place];
+      if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[place];
     });
-    insert_film(pixels, const_cast<Film&>(*info.film), second);
+    insert_film(pixels, const_cast<Film&>(*info.film), probes);
   }
 
   AtomicFile file(path);
@@ -368,10 +368,10 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
     throw Error(path, "holds no film that this version can read", "render it again");
   shape.aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
   shape.splats = channels.findChannel(splat_channel(0)) != nullptr;
-  shape.whole_nets = read_attribute(path, "wavepath.nets") == kWholeNets;
+  shape.has_probes = read_attribute(path, "wavepath.nets") == kWithProbes;
   shape.quads = read_attribute(path, "wavepath.shared") == kQuads;
-  if (shape.whole_nets) shape.seed = static_cast<std::uint32_t>(read_number(path, "wavepath.seed").value_or(0.0));
-  const std::uint64_t spread = shape.whole_nets ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) : 0;
+  if (shape.has_probes) shape.seed = static_cast<std::uint32_t>(read_number(path, "wavepath.seed").value_or(0.0));
+  const std::uint64_t spread = shape.has_probes ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) : 0;
   require_memory(path, "reading its sums", shape.bytes() + shape.pixels() * spread, "use a smaller picture");
   const auto film = std::make_shared<Film>(make_film(shape));
   for (const std::string& name : film_channels(shape)) {
@@ -380,13 +380,13 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
       throw Error(path, fmt::format("lacks channel {}", name), "render it again");
   }
   Imf::FrameBuffer pixels;
-  SecondNets second(shape);
-  insert_film(pixels, *film, second);
+  ProbeSums probes(shape);
+  insert_film(pixels, *film, probes);
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
-  for_second_nets(*film, [&](std::size_t place, std::size_t pixel) {
-    film->pixels[place] = second.pixels[pixel];
-    if (!second.aovs.empty()) film->aovs[place] = second.aovs[pixel];
+  for_each_probe(*film, [&](std::size_t place, std::size_t pixel) {
+    film->pixels[place] = probes.pixels[pixel];
+    if (!probes.aovs.empty()) film->aovs[place] = probes.aovs[pixel];
   });
   count_light_paths(*film);
   return film;

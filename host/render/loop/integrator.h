@@ -33,7 +33,7 @@ struct Pilot {
   std::uint32_t seed = 0; // by exclusive or with the render's own
   std::uint32_t first_sample = 0;
   std::uint32_t width = 0, height = 0; // of a picture of its own, not larger than the render's; 0 = the render's
-  bool halves_nets = false;            // even where those of the render are whole
+  bool splits_replicates = false;      // even where those of the render are whole
   bool shares_paths = true;            // where pixels of the render do
 };
 

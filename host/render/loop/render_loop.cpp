@@ -10,9 +10,9 @@
 #include "host/render/loop/adaptive.h"
 #include "host/render/loop/segments.h"
 #include "host/render/settings/adaptivity.h"
+#include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/whole_nets.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 
 namespace wavepath {
 namespace {
@@ -94,7 +94,7 @@ void RenderLoop::restart(const View& view, const RenderPlan& settings, Past past
   workspace_.film.clear();
   queue_.totals = {};
   pass_began_busy_ = 0.0;
-  segments_ = net_segments(workspace_.film);
+  segments_ = all_segments(workspace_.film);
   levels_.clear();
   mean_factor_ = 1.0;
   cursor_ = {settings_.first_sample, 0, 0, 0};
@@ -194,7 +194,7 @@ void RenderLoop::explore(const Pilot& pilot) {
   const gpu::Frame frame = workspace_.frame;
   workspace_.frame.seed ^= pilot.seed;
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
-  if (pilot.halves_nets) workspace_.frame.whole_nets = gpu::kMeasuresAll;
+  if (pilot.splits_replicates) workspace_.frame.probes = gpu::kProbesNone;
   if (!pilot.shares_paths) workspace_.frame.reuses_paths = 0;
   if (workspace_.frame.reuses_paths && pilot.width > 0) // pixels that share are as close as in the picture
     workspace_.frame.quad_scale *= static_cast<float>(pilot.width) / static_cast<float>(frame.width);
@@ -228,10 +228,10 @@ void RenderLoop::share_out() {
            .seed = kAdaptivePilotSeed,
            .width = shape.width,
            .height = shape.height,
-           .halves_nets = true});
+           .splits_replicates = true});
   if (!stopped_) {
     const Film noise = workspace_.film.download_small(shape);
-    const int lowest = has_whole_nets(settings_) ? kLowestLevel : kLowestLevelOfHalvedNets;
+    const int lowest = has_error_probes(settings_) ? kLowestLevel : kLowestLevelOfSplitReplicates;
     const SampleShares shares = share_samples(noise, workspace_.frame.width, workspace_.frame.height, lowest);
     const bool pays = settings_.adaptive == kAdaptiveOn || shares.cost < kWorthwhile;
     result_.noise = NoisePilot{samples, shape.width, shape.height, shares.cost, pays};

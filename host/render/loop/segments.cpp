@@ -3,7 +3,7 @@
 #include <array>
 
 #include "host/render/workspace/levels.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/tile_order.h"
 
 namespace wavepath {
@@ -15,18 +15,18 @@ std::vector<Segment> even_segments(const std::vector<FilmBand>& bands) {
   return segments;
 }
 
-std::vector<Segment> net_segments(const FilmTarget& film) {
+std::vector<Segment> all_segments(const FilmTarget& film) {
   std::vector<Segment> segments;
   const auto pixels = static_cast<std::uint32_t>(film.pixels());
   for (std::size_t i = 0; i < film.bands().size(); ++i) {
     const FilmBand& band = film.bands()[i];
     if (band.pixel_count == 0) continue;
     segments.push_back({i, band.first_pixel, band.pixel_count, 0});
-    const std::uint32_t first_second = pixels + band.first_second;
-    if (first_second == band.first_pixel + band.pixel_count) // in a picture of one band: one segment holds all
-      segments.back().pixel_count += band.second_count;
-    else if (band.second_count > 0)
-      segments.push_back({i, first_second, band.second_count, 0});
+    const std::uint32_t first_probe = pixels + band.first_probe;
+    if (first_probe == band.first_pixel + band.pixel_count) // in a picture of one band: one segment holds all
+      segments.back().pixel_count += band.probe_count;
+    else if (band.probe_count > 0)
+      segments.push_back({i, first_probe, band.probe_count, 0});
   }
   return segments;
 }
@@ -35,9 +35,9 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
                                     std::vector<std::uint32_t>& places) {
   const FilmShape& shape = film.shape();
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
-  const auto second_net_level = [&](std::uint32_t block) {
-    const glm::uvec2 measured = gpu::measured_pixel(block, shape.width, shape.height, shape.seed, shape.measures());
-    return levels[gpu::tile_order_of(measured, shape.width, shape.height) / kRunPixels];
+  const auto probe_level = [&](std::uint32_t block) {
+    const glm::uvec2 probed = gpu::probed_pixel(block, shape.width, shape.height, shape.seed, shape.probes());
+    return levels[gpu::tile_order_of(probed, shape.width, shape.height) / kRunPixels];
   };
   std::vector<Segment> segments;
   for (std::size_t i = 0; i < film.bands().size(); ++i) {
@@ -46,14 +46,14 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
     const std::uint32_t end = band.first_pixel + band.pixel_count;
     for (std::uint32_t pixel = band.first_pixel; pixel < end; ++pixel)
       firsts[levels[pixel / kRunPixels] - kLowestLevel].push_back(pixel);
-    for (std::uint32_t block = band.first_second; block < band.first_second + band.second_count; ++block)
-      seconds[second_net_level(block) - kLowestLevel].push_back(pixels + block);
-    const auto add = [&](const std::vector<std::uint32_t>& net, int level) {
-      const auto first = static_cast<std::uint32_t>(places.size()), count = static_cast<std::uint32_t>(net.size());
+    for (std::uint32_t block = band.first_probe; block < band.first_probe + band.probe_count; ++block)
+      seconds[probe_level(block) - kLowestLevel].push_back(pixels + block);
+    const auto add = [&](const std::vector<std::uint32_t>& entries, int level) {
+      const auto first = static_cast<std::uint32_t>(places.size()), count = static_cast<std::uint32_t>(entries.size());
       if (count == 0) return;
-      places.insert(places.end(), net.begin(), net.end());
+      places.insert(places.end(), entries.begin(), entries.end());
       const bool goes_on = !segments.empty() && segments.back().level == level && band.pixel_count == pixels;
-      if (goes_on) // in a picture of one band: one segment holds both nets, as in net_segments()
+      if (goes_on) // in a picture of one band: one segment holds both nets, as in all_segments()
         segments.back().pixel_count += count;
       else
         segments.push_back({i, first, count, level});

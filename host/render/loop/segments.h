@@ -13,7 +13,7 @@ namespace wavepath {
 std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
 
 // All nets of the film.
-std::vector<Segment> net_segments(const FilmTarget& film);
+std::vector<Segment> all_segments(const FilmTarget& film);
 
 // Sorts the nets of each band by the level of their pixel's run. `places` becomes the list of places that segments
 // refer to.

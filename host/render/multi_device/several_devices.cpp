@@ -13,7 +13,7 @@
 #include "host/gpu/device.h"
 #include "host/render/loop/render_loop.h"
 #include "host/render/multi_device/deal.h"
-#include "host/render/settings/whole_nets.h"
+#include "host/render/settings/probing.h"
 #include "host/render/small_picture.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"

@@ -68,7 +68,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.bgra = options.bgra ? 1 : 0;
   job.first_column = first_column;
   job.splats = shape.splats ? 1 : 0;
-  job.whole_nets = shape.measures();
+  job.probes = shape.probes();
   job.seed = shape.seed;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
@@ -76,7 +76,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
     if (band.pixel_count == 0) continue;
     job.first_film_pixel = band.first_pixel;
     job.film_pixel_count = band.pixel_count;
-    job.first_second = band.first_second;
+    job.first_probe = band.first_probe;
     draw_band(band, job);
   }
 }

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host/film/error.h"
-#include "host/render/settings/whole_nets.h"
+#include "host/render/settings/probing.h"
 
 namespace wavepath {
 namespace {
@@ -22,7 +22,7 @@ RenderPlan open_ended(RenderPlan settings) {
   settings.adaptive = kAdaptiveOff;
   settings.time_limit = settings.target_error = 0.0;
   // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
-  settings.kernels.whole_nets = has_whole_nets(settings);
+  settings.kernels.has_probes = has_error_probes(settings);
   settings.kernels.mips = true; // for frames in motion
   return settings;
 }

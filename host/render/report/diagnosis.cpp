@@ -16,7 +16,7 @@ namespace {
 
 // Of the squared error that one sample may explain alone. Where nets are whole, one in a measured pixel counts for its
 // block, which the interval allows for: up to 0.1 on the Cornell box (320x240, 64 samples), from 0.2 on with fireflies.
-constexpr double kLargestShare = 0.05, kLargestShareOfWholeNets = 0.15;
+constexpr double kLargestShare = 0.05, kLargestShareWithProbes = 0.15;
 constexpr std::uint32_t kFewestSamples = 8; // a pixel, below which much has not been seen yet
 constexpr double kFlat = -0.3;              // slope against spp; Monte Carlo's is -0.5
 constexpr double kUnexplained = 1.5;        // true error over the upper end of the estimate
@@ -28,8 +28,8 @@ bool fell_as_it_should(const std::vector<Checkpoint>& checkpoints) {
 }
 
 bool has_fireflies(const RenderResult& result) {
-  const bool whole = result.film && result.film->whole_nets;
-  return result.error.largest_sample_share > (whole ? kLargestShareOfWholeNets : kLargestShare);
+  const bool whole = result.film && result.film->has_probes;
+  return result.error.largest_sample_share > (whole ? kLargestShareWithProbes : kLargestShare);
 }
 
 } // namespace

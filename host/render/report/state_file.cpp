@@ -53,7 +53,7 @@ Checkpoint checkpoint_from(const Json& j) {
 Json state_json(const Nonfinite& nonfinite) {
   Json first = nullptr;
   if (nonfinite.first)
-    first = {nonfinite.first->sample, nonfinite.first->at.pixel, nonfinite.first->at.net, nonfinite.first->maker};
+    first = {nonfinite.first->sample, nonfinite.first->at.pixel, nonfinite.first->at.replicate, nonfinite.first->maker};
   return {{"by_maker", nonfinite.by_maker}, {"first", first}};
 }
 
@@ -99,7 +99,7 @@ Json describe(const std::string& identity, const std::string& device, const std:
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
           {"splats", !state.film.splats.empty()},
-          {"whole_nets", state.film.whole_nets},
+          {"whole_nets", state.film.has_probes},
           {"seed", state.film.seed},
           {"quads", state.film.quads}};
 }

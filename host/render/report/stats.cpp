@@ -70,7 +70,7 @@ Json next_halving_json(const RenderResult& result) {
 }
 
 const char* error_method(const Film* film) {
-  if (!film || !film->whole_nets)
+  if (!film || !film->has_probes)
     return "spread of the means of 2 independently scrambled halves of the samples of every pixel";
   if (film->quads)
     return "one whole net a pixel; spread of the means of two independently scrambled ones on one quad of each block";
@@ -154,7 +154,7 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderPlan& settings) {
     const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->at.pixel, settings.width, settings.height);
     first = {{"pixel", {at.x, at.y}},
              {"sample", nonfinite.first->sample},
-             {"net", nonfinite.first->at.net},
+             {"net", nonfinite.first->at.replicate},
              {"seed", settings.seed},
              {"kernel", kMakerNames[nonfinite.first->maker]}};
   }

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "host/render/settings/probing.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -46,7 +46,7 @@ std::string identity_of(std::uint64_t scene_hash, const View& view, const Render
     const std::string text = text_of(row, settings);
     identity += fmt::format(";{}={}", row.name, text.empty() ? "default" : text);
   }
-  identity += fmt::format(";nets={}", has_whole_nets(settings) ? "whole" : "halved");
+  identity += fmt::format(";nets={}", has_error_probes(settings) ? "whole" : "halved");
   return identity + ";camera=" + camera_text(view);
 }
 

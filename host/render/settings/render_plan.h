@@ -38,7 +38,7 @@ struct KernelCapacity {
   bool sky_samples = false; // any number of them, where trying costs little
   BearsReuse reuse = BearsReuse::nowhere;
   bool shadow_rays = false;            // even where no light is sampled
-  bool whole_nets = false;             // even where the picture is too small
+  bool has_probes = false;             // even where the picture is too small
   bool mips = false;                   // also in the scene, even where this picture looks textures up exactly
   gpu::Feature added = 0, removed = 0; // kFeature bits compiled in though the scene leaves them out, and left out
 };
@@ -49,10 +49,10 @@ struct RenderPlan : RenderSettings {
 
   Training training;
   KernelCapacity kernels;
-  bool looks_for_noise = false;             // where `adaptive` is auto: a pilot decides when the render begins
-  bool moving = false;                      // the scene was loaded with motion, which the kernels are to see
-  bool antialias_over_time = false;         // joins every picture to those before it, for a camera in motion; biased
-  std::uint32_t whole_nets_from = 1u << 15; // pixels of a picture whose nets may stay whole (whole_nets.h)
+  bool looks_for_noise = false;         // where `adaptive` is auto: a pilot decides when the render begins
+  bool moving = false;                  // the scene was loaded with motion, which the kernels are to see
+  bool antialias_over_time = false;     // joins every picture to those before it, for a camera in motion; biased
+  std::uint32_t probes_from = 1u << 15; // pixels of a picture whose nets may stay whole (probing.h)
   double quad_scale = 1.0; // of the quads of a pilot, which then shows few quads of a larger picture (path_reuse.h)
   std::uint32_t wave_slots = 0; // paths in flight; 0 = chosen from memory and measured dispatch time
 };

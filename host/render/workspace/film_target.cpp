@@ -15,10 +15,10 @@ namespace wavepath {
 namespace {
 
 // Sums of one place: of halved nets those of a pixel.
-std::size_t nets_each(const FilmShape& shape) { return shape.whole_nets ? 1 : gpu::kReplicates; }
+std::size_t replicates_each(const FilmShape& shape) { return shape.has_probes ? 1 : gpu::kReplicates; }
 
 std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
-  return band.places() * nets_each(shape) * sizeof(gpu::FilmPixel);
+  return band.places() * replicates_each(shape) * sizeof(gpu::FilmPixel);
 }
 std::uint64_t aov_bytes(const FilmBand& band) { return band.places() * sizeof(gpu::FilmAovs); }
 std::uint64_t splat_bytes(const FilmBand& band) {
@@ -55,8 +55,8 @@ void to_rows(const T* values, std::uint32_t first, std::uint32_t count, std::siz
 
 // Where those of a band's second nets lie, which need no sorting.
 template <class T>
-auto* second_nets(const FilmBand& band, const Film& film, T& rows) {
-  return rows.data() + film.shape().pixels() + band.first_second;
+auto* probes_of(const FilmBand& band, const Film& film, T& rows) {
+  return rows.data() + film.shape().pixels() + band.first_probe;
 }
 
 template <class T>
@@ -69,8 +69,8 @@ void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Fil
     buffer.read(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
     to_rows(values.data(), band.first_pixel + first, count, each, film, rows);
   });
-  if (band.second_count > 0)
-    buffer.read(second_nets(band, film, rows), band.second_count * sizeof(T), band.pixel_count * sizeof(T));
+  if (band.probe_count > 0)
+    buffer.read(probes_of(band, film, rows), band.probe_count * sizeof(T), band.pixel_count * sizeof(T));
 }
 
 template <class T>
@@ -83,8 +83,8 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
     });
     buffer.write(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
   });
-  if (band.second_count > 0)
-    buffer.write(second_nets(band, film, rows), band.second_count * sizeof(T), band.pixel_count * sizeof(T));
+  if (band.probe_count > 0)
+    buffer.write(probes_of(band, film, rows), band.probe_count * sizeof(T), band.pixel_count * sizeof(T));
 }
 
 } // namespace
@@ -95,26 +95,26 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_places =
-      range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
+      range / std::max<std::uint64_t>(replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_places;
-  if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
+  if (shape.has_probes) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
     step = 8 * std::uint64_t{shape.width};
-    most = most_places / (step + shape.second_nets_above(std::min(8u, shape.height))) * step;
+    most = most_places / (step + shape.probes_above(std::min(8u, shape.height))) * step;
   }
   most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
   bool moved = false;
   std::uint64_t first = 0;
-  std::uint32_t first_second = 0;
+  std::uint32_t first_probe = 0;
   for (FilmBand& band : bands_) {
     band.first_pixel = static_cast<std::uint32_t>(first);
     band.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels() - first));
     first += band.pixel_count;
-    band.first_second = first_second;
+    band.first_probe = first_probe;
     const auto rows = static_cast<std::uint32_t>(first / shape.width); // up to its end, where nets are whole
-    band.second_count = shape.second_nets_above(rows) - first_second;
-    first_second += band.second_count;
+    band.probe_count = shape.probes_above(rows) - first_probe;
+    first_probe += band.probe_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
     moved |= make_room(*device_, band.film, film_bytes(band, shape));
     moved |= make_room(*device_, band.aovs, shape.aovs || room_for_aovs ? aov_bytes(band) : 0);
@@ -134,7 +134,7 @@ void FilmTarget::clear() {
 Film FilmTarget::download() const {
   Film film = make_film(shape_);
   for (const FilmBand& band : bands_) {
-    read_rows(band, band.film, nets_each(shape_), film, film.pixels);
+    read_rows(band, band.film, replicates_each(shape_), film, film.pixels);
     if (shape_.aovs) read_rows(band, band.aovs, 1, film, film.aovs);
     if (shape_.splats) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
@@ -146,13 +146,13 @@ Film FilmTarget::download_small(const FilmShape& shape) const {
   Film film = make_film(shape);
   FilmBand all;
   all.pixel_count = static_cast<std::uint32_t>(shape.pixels());
-  read_rows(all, bands_.front().film, nets_each(shape), film, film.pixels);
+  read_rows(all, bands_.front().film, replicates_each(shape), film, film.pixels);
   return film;
 }
 
 void FilmTarget::upload(const Film& film) {
   for (FilmBand& band : bands_) {
-    write_rows(band, band.film, nets_each(shape_), film, film.pixels);
+    write_rows(band, band.film, replicates_each(shape_), film, film.pixels);
     if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
     if (!film.splats.empty()) write_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
@@ -171,7 +171,7 @@ void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
     FilmBand& band = bands_[i];
     const FilmBand& from = target.bands()[i];
     band.first_pixel = from.first_pixel, band.pixel_count = from.pixel_count;
-    band.first_second = from.first_second, band.second_count = from.second_count;
+    band.first_probe = from.first_probe, band.probe_count = from.probe_count;
     const auto make = [&](Buffer& buffer, std::uint64_t bytes) {
       if (buffer.handle() && buffer.bytes() >= bytes) return;
       buffer = Buffer();
@@ -204,9 +204,9 @@ Film FilmSnapshot::read() const {
       buffer.invalidate();
       const T* values = static_cast<const T*>(buffer.mapped());
       to_rows(values, band.first_pixel, band.pixel_count, each, film, rows);
-      std::copy_n(values + band.pixel_count * each, band.second_count, second_nets(band, film, rows));
+      std::copy_n(values + band.pixel_count * each, band.probe_count, probes_of(band, film, rows));
     };
-    read(band.film, nets_each(shape_), film.pixels);
+    read(band.film, replicates_each(shape_), film.pixels);
     if (shape_.aovs) read(band.aovs, 1, film.aovs);
     if (shape_.splats) read(band.splats, gpu::kReplicates, film.splats);
   }

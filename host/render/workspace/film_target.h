@@ -13,15 +13,15 @@ namespace wavepath {
 // the pixels come first.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  std::uint32_t first_second = 0, second_count = 0; // second nets, by block
-  std::uint32_t picture_pixels = 0;                 // of all bands: the place of the first second net
-  Buffer film, aovs, splats;                        // may have room for more
+  std::uint32_t first_probe = 0, probe_count = 0; // second nets, by block
+  std::uint32_t picture_pixels = 0;               // of all bands: the place of the first second net
+  Buffer film, aovs, splats;                      // may have room for more
 
-  std::uint32_t places() const { return pixel_count + second_count; }
+  std::uint32_t places() const { return pixel_count + probe_count; }
   // Where the sums of a place of the band lie in it.
   std::uint32_t entry_of(std::uint32_t place) const {
-    const bool is_second = second_count > 0 && place >= picture_pixels;
-    return is_second ? pixel_count + place - picture_pixels - first_second : place - first_pixel;
+    const bool is_probe = probe_count > 0 && place >= picture_pixels;
+    return is_probe ? pixel_count + place - picture_pixels - first_probe : place - first_pixel;
   }
 };
 

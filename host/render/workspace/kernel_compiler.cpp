@@ -7,9 +7,9 @@
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/path_reuse.h"
+#include "host/render/settings/probing.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -52,8 +52,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.kernels.added) & ~settings.kernels.removed;
   if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
-  const std::uint32_t nets =
-      has_whole_nets(settings) || settings.kernels.whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
+  const std::uint32_t probing =
+      has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
   // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
   const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
@@ -68,7 +68,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           direct_of(settings),
           settings.hemisphere,
           settings.filter,
-          nets,
+          probing,
           lens_of(settings),
           settings.cull,
           motion,

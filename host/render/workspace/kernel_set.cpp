@@ -46,14 +46,14 @@ bool KernelNeed::covers(const KernelNeed& need) const {
   KernelNeed reduced = *this;
   reduced.config.features = need.config.features;
   reduced.config.stack_size = need.config.stack_size;
-  reduced.config.nets = need.config.nets;
+  reduced.config.probing = need.config.probing;
   reduced.config.sort = need.config.sort;
   reduced.config.sky = need.config.sky;
   reduced.config.reuse = need.config.reuse;
   reduced.stages = need.stages;
   return reduced == need && (config.features & need.config.features) == need.config.features &&
          (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size &&
-         config.nets >= need.config.nets && config.sky >= need.config.sky && config.reuse >= need.config.reuse &&
+         config.probing >= need.config.probing && config.sky >= need.config.sky && config.reuse >= need.config.reuse &&
          sorts_for(config.sort, need.config.sort);
 }
 
@@ -81,7 +81,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecHemisphere] = config.hemisphere;
   constants[gpu::kSpecFilter] = config.filter;
   constants[gpu::kSpecWalk] = walk;
-  constants[gpu::kSpecNets] = config.nets;
+  constants[gpu::kSpecProbing] = config.probing;
   constants[gpu::kSpecLens] = config.lens;
   constants[gpu::kSpecCull] = config.cull;
   constants[gpu::kSpecMotion] = config.motion;

@@ -28,7 +28,7 @@ struct KernelConfig {
   gpu::Feature features = 0;    // kFeature bits
   std::uint32_t stack_size = 0; // entries of the traversal stack
   std::uint32_t sampler = 0, direct = 0, hemisphere = 0, filter = 0;
-  std::uint32_t nets = gpu::kNetsHalved;
+  std::uint32_t probing = gpu::kProbingOff;
   std::uint32_t lens = gpu::kLensPinhole, cull = gpu::kCullCamera;
   std::uint32_t motion = 0;
   std::uint32_t terminator = gpu::kTerminatorFacets;

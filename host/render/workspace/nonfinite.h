@@ -15,17 +15,17 @@ namespace wavepath {
 // By the values of the kMaker... constants.
 inline constexpr std::array<std::string_view, gpu::kMakerCount> kMakerNames = {"generate", "shade", "connect"};
 
-// A pixel and which of its nets; 1 is the second net of a measured pixel (kernels/base/net_layout.h).
-struct PixelNet {
+// A pixel and which of its nets; 1 is the second net of a measured pixel (kernels/base/error_probes.h).
+struct PixelReplicate {
   std::uint32_t pixel = 0; // in tile order
-  std::uint32_t net = 0;
-  auto operator<=>(const PixelNet&) const = default;
+  std::uint32_t replicate = 0;
+  auto operator<=>(const PixelReplicate&) const = default;
 };
 
 // First by sample, then by place in tile order: an order that no size of waves and no number of lanes can change.
 struct NonfiniteSample {
   std::uint32_t sample = 0;
-  PixelNet at;
+  PixelReplicate at;
   std::uint32_t maker = 0; // kMaker...
   auto operator<=>(const NonfiniteSample&) const = default;
 };
@@ -37,7 +37,7 @@ struct Nonfinite {
 
   std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
 
-  // What the kernels counted in one wave; pixel_at(place) is the PixelNet that has a place in the wave.
+  // What the kernels counted in one wave; pixel_at(place) is the PixelReplicate that has a place in the wave.
   // Returns whether there was anything.
   template <class PixelAt>
   bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {

@@ -9,16 +9,16 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/path_reuse.h"
+#include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/whole_nets.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/render/workspace/levels.h"
 #include "host/render/workspace/resources.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/pick.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/features.h"
 #include "kernels/base/frame_types.h"
-#include "kernels/base/net_layout.h"
 #include "kernels/base/tile_order.h"
 
 namespace wavepath {
@@ -69,7 +69,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPl
   frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
   frame.quad_scale = static_cast<float>(settings.quad_scale);
   frame.reuses_paths = reuses_paths(settings) ? 1u : 0u;
-  frame.whole_nets = film_shape(settings).measures();
+  frame.probes = film_shape(settings).probes();
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
   frame.end_normals = scene.end_normals;
@@ -95,7 +95,7 @@ FilmShape film_shape(const RenderPlan& settings) {
           .height = settings.height,
           .aovs = records_aovs(settings),
           .splats = settings.integrator->splats,
-          .whole_nets = has_whole_nets(settings),
+          .has_probes = has_error_probes(settings),
           .seed = settings.seed,
           .quads = reuses_paths(settings)};
 }
@@ -145,12 +145,12 @@ void Workspace::set_places(std::vector<std::uint32_t> places) {
 
 std::uint32_t Workspace::place_at(std::uint32_t index) const { return places_.empty() ? index : places_[index]; }
 
-PixelNet Workspace::pixel_at(std::uint32_t index) const {
+PixelReplicate Workspace::pixel_at(std::uint32_t index) const {
   const FilmShape& shape = film.shape();
   const std::uint32_t place = place_at(index);
-  if (shape.whole_nets && place >= shape.pixels()) {
+  if (shape.has_probes && place >= shape.pixels()) {
     const auto block = place - static_cast<std::uint32_t>(shape.pixels());
-    const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed, shape.measures());
+    const glm::uvec2 at = gpu::probed_pixel(block, shape.width, shape.height, shape.seed, shape.probes());
     return {gpu::tile_order_of(at, shape.width, shape.height), 1};
   }
   return {place, 0};

@@ -29,12 +29,12 @@ public:
   bool fit(const RenderPlan& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();
-  // Adaptive renders: the places of the film (net_layout.h) in the order in which waves visit them. At first that is
+  // Adaptive renders: the places of the film (error_probes.h) in the order in which waves visit them. At first that is
   // their own.
   void set_places(std::vector<std::uint32_t> places);
   // The place that waves visit after `index` others, and the pixel there and which of its nets.
   std::uint32_t place_at(std::uint32_t index) const;
-  PixelNet pixel_at(std::uint32_t index) const;
+  PixelReplicate pixel_at(std::uint32_t index) const;
 
   // What every kernel may be bound to; the film's is that of `band`.
   std::vector<Binding> bindings(const FilmBand& band) const;

@@ -1,4 +1,4 @@
-#include "host/render/settings/whole_nets.h"
+#include "host/render/settings/probing.h"
 
 #include <algorithm>
 
@@ -7,11 +7,11 @@
 
 namespace wavepath {
 
-bool has_whole_nets(const RenderPlan& settings) {
+bool has_error_probes(const RenderPlan& settings) {
   const IntegratorKind& kind = *settings.integrator;
   return kind.traces_paths && !kind.splats && !denoises_film(settings) &&
          std::ranges::find(settings.aovs, "variance") == settings.aovs.end() &&
-         std::uint64_t{settings.width} * settings.height >= settings.whole_nets_from;
+         std::uint64_t{settings.width} * settings.height >= settings.probes_from;
 }
 
 } // namespace wavepath

@@ -20,13 +20,13 @@
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/whole_nets.h"
+#include "host/render/settings/probing.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/render/workspace/workspace.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
-#include "kernels/base/net_layout.h"
+#include "kernels/base/error_probes.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 #include "tests/probe.h"
@@ -39,40 +39,40 @@ namespace {
 
 const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
 
-TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
+TEST(ErrorProbes, AreForLargePicturesOfPathsThatStandForThemselves) {
   RenderPlan settings;
   settings.width = 256, settings.height = 128;
-  EXPECT_TRUE(has_whole_nets(settings));
+  EXPECT_TRUE(has_error_probes(settings));
   settings.width = 255;
-  EXPECT_FALSE(has_whole_nets(settings));
+  EXPECT_FALSE(has_error_probes(settings));
   settings.width = 4096;
   settings.aovs = {"albedo", "samples"};
-  EXPECT_TRUE(has_whole_nets(settings));
+  EXPECT_TRUE(has_error_probes(settings));
   settings.aovs.emplace_back("variance");
-  EXPECT_FALSE(has_whole_nets(settings));
+  EXPECT_FALSE(has_error_probes(settings));
   settings.aovs.clear();
   settings.adaptive = kAdaptiveOn;
-  EXPECT_TRUE(has_whole_nets(settings));
+  EXPECT_TRUE(has_error_probes(settings));
   const std::map<std::string, bool> expected{
       {"path", true}, {"whitted", true}, {"bidirectional", false}, {"hybrid", false}};
   for (const auto& [name, whole] : expected) {
     settings.integrator = find_integrator(name);
     ASSERT_TRUE(settings.integrator) << name;
-    EXPECT_EQ(has_whole_nets(settings), whole) << name;
+    EXPECT_EQ(has_error_probes(settings), whole) << name;
   }
 }
 
-TEST(WholeNets, DecideTheIdentity) {
-  RenderPlan whole, halved;
-  halved.aovs = {"variance"}, whole.aovs = {"albedo"};
-  const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, halved);
+TEST(ErrorProbes, DecideTheIdentity) {
+  RenderPlan whole, split;
+  split.aovs = {"variance"}, whole.aovs = {"albedo"};
+  const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, split);
   EXPECT_EQ(first_difference(a, a), std::nullopt);
   EXPECT_EQ(first_difference(a, b),
             "its pixels have whole nets of samples, not halved ones (--aov variance and --denoise halve them)");
 }
 
 // As many pixels as the error of a picture takes, and no more.
-TEST(WholeNets, MeasureTwoThousandPixelsOrMore) {
+TEST(ErrorProbes, MeasureTwoThousandPixelsOrMore) {
   for (const auto& [width, height, second] : {std::tuple{256u, 128u, 2048u},
                                               {256u, 256u, 4096u},
                                               {320u, 240u, 4800u},
@@ -80,29 +80,29 @@ TEST(WholeNets, MeasureTwoThousandPixelsOrMore) {
                                               {511u, 511u, 16384u},
                                               {1280u, 720u, 14400u},
                                               {1281u, 721u, 161u * 91}}) {
-    const FilmShape shape{.width = width, .height = height, .whole_nets = true};
-    EXPECT_EQ(shape.second_nets(), second);
+    const FilmShape shape{.width = width, .height = height, .has_probes = true};
+    EXPECT_EQ(shape.probe_count(), second);
   }
   std::vector<int> places(64);
   for (std::uint32_t block = 0; block < 4096; ++block) {
-    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 3, gpu::kMeasuresPixels);
-    ASSERT_EQ(gpu::net_block_of(at, 512, 512, gpu::kMeasuresPixels), block);
+    const glm::uvec2 at = gpu::probed_pixel(block, 512, 512, 3, gpu::kProbesPixels);
+    ASSERT_EQ(gpu::probe_block_of(at, 512, 512, gpu::kProbesPixels), block);
     ++places[at.y % 8 * 8 + at.x % 8];
   }
   for (const int times : places) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
 }
 
 // Every pixel of a block, cut off or not, is measured for as many seeds; so are pairs of neighbouring blocks.
-TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
+TEST(ErrorProbes, AnyPixelOfABlockMayBeProbed) {
   constexpr std::uint32_t kSeeds = 1 << 15, kWidth = 11, kHeight = 7; // last blocks of 3x4, 4x3 and 3x3
   const double level = sidak(0.01, 7);
-  ASSERT_EQ(gpu::net_blocks(kWidth, gpu::net_side(kWidth, kHeight)), 3u);
+  ASSERT_EQ(gpu::probe_blocks(kWidth, gpu::probe_block_side(kWidth, kHeight)), 3u);
   for (std::uint32_t block = 0; block < 6; ++block) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> counts;
     for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-      const glm::uvec2 at = gpu::measured_pixel(block, kWidth, kHeight, seed, gpu::kMeasuresPixels);
+      const glm::uvec2 at = gpu::probed_pixel(block, kWidth, kHeight, seed, gpu::kProbesPixels);
       ASSERT_TRUE(at.x < kWidth && at.y < kHeight);
-      ASSERT_EQ(gpu::net_block_of(at, kWidth, kHeight, gpu::kMeasuresPixels), block);
+      ASSERT_EQ(gpu::probe_block_of(at, kWidth, kHeight, gpu::kProbesPixels), block);
       counts[{at.x, at.y}] += 1.0;
     }
     EXPECT_EQ(counts.size(), (block % 3 == 2 ? 3u : 4u) * (block / 3 == 1 ? 3u : 4u));
@@ -113,7 +113,7 @@ TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
   std::vector<double> pairs(256);
   for (std::uint32_t block = 0; block + 1 < 256 * 63; ++block) {
     const auto place = [&](std::uint32_t b) {
-      const glm::uvec2 at = gpu::measured_pixel(b, 1024, 255, 7, gpu::kMeasuresPixels);
+      const glm::uvec2 at = gpu::probed_pixel(b, 1024, 255, 7, gpu::kProbesPixels);
       return at.y % 4 * 4 + at.x % 4;
     };
     pairs[place(block) * 16 + place(block + 1)] += 1.0;
@@ -125,48 +125,48 @@ TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
 constexpr std::pair<std::uint32_t, std::uint32_t> kSizes[] = {
     {8, 8}, {16, 24}, {11, 7}, {43, 37}, {3, 1}, {1, 1}, {9, 9}, {17, 10}, {512, 512}, {515, 513}, {1026, 517}};
 
-TEST(Quads, EveryBlockOfTheirPixelsHasOneMeasuredPixel) {
+TEST(Quads, EveryBlockOfTheirPixelsHasOneProbe) {
   for (const auto& [width, height] : kSizes) {
     SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
-    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .seed = 3, .quads = true};
+    const FilmShape shape{.width = width, .height = height, .has_probes = true, .seed = 3, .quads = true};
     const Film film = make_film(shape);
-    std::vector<std::size_t> pixels(shape.second_nets());
+    std::vector<std::size_t> pixels(shape.probe_count());
     std::size_t wrong = 0;
     for (std::uint32_t y = 0; y < height; ++y)
       for (std::uint32_t x = 0; x < width; ++x) {
         const std::size_t block = block_of(film, std::size_t{y} * width + x);
-        wrong += block != gpu::net_block_of({x, y}, width, height, gpu::kMeasuresQuads);
+        wrong += block != gpu::probe_block_of({x, y}, width, height, gpu::kProbesQuads);
         ASSERT_LT(block, pixels.size());
         ++pixels[block];
       }
     for (std::uint32_t block = 0; block < pixels.size(); ++block) {
-      const std::size_t measured = measured_pixel(film, block);
-      const glm::uvec2 at = gpu::measured_pixel(block, width, height, 3, gpu::kMeasuresQuads);
-      wrong += at.x >= width || at.y >= height || at.y * width + at.x != measured;
-      wrong += block_of(film, measured) != block || pixels_measured_by(film, measured) != pixels[block];
+      const std::size_t probed = probed_pixel(film, block);
+      const glm::uvec2 at = gpu::probed_pixel(block, width, height, 3, gpu::kProbesQuads);
+      wrong += at.x >= width || at.y >= height || at.y * width + at.x != probed;
+      wrong += block_of(film, probed) != block || pixels_probed_by(film, probed) != pixels[block];
     }
     EXPECT_EQ(wrong, 0u);
     for (std::uint32_t rows = 8, before = 0; rows < height + 8; rows += 8) { // as bands are cut
-      const std::uint32_t end = std::min(rows, height), nets = shape.second_nets_above(end);
-      for (std::uint32_t block = before; block < nets; ++block)
-        wrong += (measured_pixel(film, block) / width - (rows - 8)) >= end - (rows - 8);
-      before = nets;
+      const std::uint32_t end = std::min(rows, height), probes = shape.probes_above(end);
+      for (std::uint32_t block = before; block < probes; ++block)
+        wrong += (probed_pixel(film, block) / width - (rows - 8)) >= end - (rows - 8);
+      before = probes;
     }
     EXPECT_EQ(wrong, 0u);
   }
 }
 
 // Second nets of a quad follow each other as its pixels do, which in a complete tile are a square.
-TEST(Quads, AreMeasuredWhole) {
+TEST(Quads, AreProbedWhole) {
   for (const auto& [width, height] : kSizes) {
     SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
-    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .seed = 5, .quads = true};
+    const FilmShape shape{.width = width, .height = height, .has_probes = true, .seed = 5, .quads = true};
     const auto pixels = static_cast<std::uint32_t>(shape.pixels());
-    const auto nets = static_cast<std::uint32_t>(shape.second_nets());
+    const auto probes = static_cast<std::uint32_t>(shape.probe_count());
     std::size_t wrong = 0;
-    for (std::uint32_t block = 0; block < nets; ++block) {
+    for (std::uint32_t block = 0; block < probes; ++block) {
       const auto place_of = [&, w = width, h = height](std::uint32_t b) {
-        return gpu::tile_order_of(gpu::measured_pixel(b, w, h, 5, gpu::kMeasuresQuads), w, h);
+        return gpu::tile_order_of(gpu::probed_pixel(b, w, h, 5, gpu::kProbesQuads), w, h);
       };
       const std::uint32_t rank = gpu::rank_in_quad(pixels + block, pixels), place = place_of(block);
       wrong += gpu::rank_in_quad(place, pixels) != rank || place_of(block - rank) != place - rank;
@@ -178,10 +178,10 @@ TEST(Quads, AreMeasuredWhole) {
     EXPECT_EQ(gpu::quad_places(pixels - 1, width, height), (pixels - 1) % 4 + 1);
   }
   for (std::uint32_t block = 0; block < 4096; block += 4) {
-    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 5, gpu::kMeasuresQuads);
+    const glm::uvec2 at = gpu::probed_pixel(block, 512, 512, 5, gpu::kProbesQuads);
     EXPECT_EQ(at % 2u, glm::uvec2(0));
     for (std::uint32_t k = 1; k < 4; ++k)
-      EXPECT_EQ(gpu::measured_pixel(block + k, 512, 512, 5, gpu::kMeasuresQuads), at + glm::uvec2(k % 2, k / 2));
+      EXPECT_EQ(gpu::probed_pixel(block + k, 512, 512, 5, gpu::kProbesQuads), at + glm::uvec2(k % 2, k / 2));
   }
 }
 
@@ -193,19 +193,19 @@ TEST(Quads, AreAsManyAsTheErrorOfAPictureTakes) {
                                               {1280u, 720u, 14400u},
                                               {1281u, 721u, 4u * 41 * 91 - 3}, // the last tile has one pixel
                                               {3u, 1u, 3u}}) {
-    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .quads = true};
-    EXPECT_EQ(shape.second_nets(), second);
+    const FilmShape shape{.width = width, .height = height, .has_probes = true, .quads = true};
+    EXPECT_EQ(shape.probe_count(), second);
   }
-  EXPECT_EQ((FilmShape{.width = 64, .height = 64, .quads = true}.second_nets()), 0u);
+  EXPECT_EQ((FilmShape{.width = 64, .height = 64, .quads = true}.probe_count()), 0u);
 }
 
-TEST(Quads, AnyCompleteOneOfATileBlockMayBeMeasured) {
+TEST(Quads, AnyCompleteOneOfATileBlockMayBeProbed) {
   constexpr std::uint32_t kSeeds = 1 << 14, kWidth = 11, kHeight = 13; // tiles of 8x8, 3x8, 8x5 and 3x5
   const std::size_t quads[] = {16, 6, 10, 3};
   for (std::uint32_t tile = 0; tile < 4; ++tile) {
     std::map<std::uint32_t, double> counts;
     for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-      const glm::uvec2 at = gpu::measured_pixel(4 * tile, kWidth, kHeight, seed, gpu::kMeasuresQuads);
+      const glm::uvec2 at = gpu::probed_pixel(4 * tile, kWidth, kHeight, seed, gpu::kProbesQuads);
       counts[gpu::tile_order_of(at, kWidth, kHeight)] += 1.0;
     }
     EXPECT_EQ(counts.size(), quads[tile]);
@@ -215,13 +215,13 @@ TEST(Quads, AnyCompleteOneOfATileBlockMayBeMeasured) {
   }
 }
 
-TEST(WholeNets, TakeLessMemoryThanHalvedOnes) {
-  FilmShape halved{.width = 1280, .height = 720}, whole = halved;
-  whole.whole_nets = true;
-  EXPECT_EQ(halved.bytes(), 1280u * 720 * 128);
+TEST(ErrorProbes, TakeLessMemoryThanSplitReplicates) {
+  FilmShape split{.width = 1280, .height = 720}, whole = split;
+  whole.has_probes = true;
+  EXPECT_EQ(split.bytes(), 1280u * 720 * 128);
   EXPECT_EQ(whole.bytes(), 1280u * 720 * 64 + 160u * 90 * 64);
-  whole.aovs = halved.aovs = true;
-  EXPECT_LT(whole.bytes(), halved.bytes());
+  whole.aovs = split.aovs = true;
+  EXPECT_LT(whole.bytes(), split.bytes());
 }
 
 RenderPlan settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
@@ -229,11 +229,11 @@ RenderPlan settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t 
   settings.width = width, settings.height = height;
   settings.last_sample = spp;
   settings.max_depth = 3;
-  settings.whole_nets_from = 0;
+  settings.probes_from = 0;
   return settings;
 }
 
-class WholeNetsRender : public VulkanTest {
+class ErrorProbesRender : public VulkanTest {
 protected:
   RenderResult render(const RenderPlan& settings, const RenderHooks& hooks = {}, const char* integrator = "path") {
     RenderPlan all = settings;
@@ -253,28 +253,28 @@ RenderPlan by_quads(RenderPlan settings) {
   return settings;
 }
 
-RenderPlan halved(RenderPlan settings) {
-  settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
+RenderPlan split(RenderPlan settings) {
+  settings.probes_from = std::numeric_limits<std::uint32_t>::max();
   return settings;
 }
 
 // A whole net of n samples is what a halved one of twice as many samples has: with as many points, and the same ones.
-TEST_F(WholeNetsRender, EachNetIsOneOverAllSamples) {
+TEST_F(ErrorProbesRender, EachReplicateHoldsAllSamples) {
   const std::pair<const char*, std::uint32_t> cases[] = {
       {"path", gpu::kSamplerSobol}, {"path", gpu::kSamplerStratified}, {"whitted", gpu::kSamplerSobol}};
   for (const auto& [integrator, sampler] : cases) {
     SCOPED_TRACE(std::string(integrator) + ", sampler " + std::to_string(sampler));
-    RenderPlan settings = settings_of(43, 37, 8), twice = halved(settings_of(43, 37, 16));
+    RenderPlan settings = settings_of(43, 37, 8), twice = split(settings_of(43, 37, 16));
     settings.sampler = twice.sampler = sampler;
     const auto whole = render(settings, {}, integrator).film, expected = render(twice, {}, integrator).film;
     ASSERT_EQ(whole->pixels.size(), 43u * 37 + 11 * 10);
     for (std::size_t i = 0; i < 43 * 37; ++i) ASSERT_TRUE(same(whole->pixels[i], expected->pixels[2 * i])) << i;
     for (std::size_t block = 0; block < 11 * 10; ++block)
-      ASSERT_TRUE(same(whole->pixels[43 * 37 + block], expected->pixels[2 * measured_pixel(*whole, block) + 1]));
+      ASSERT_TRUE(same(whole->pixels[43 * 37 + block], expected->pixels[2 * probed_pixel(*whole, block) + 1]));
   }
 }
 
-TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
+TEST_F(ErrorProbesRender, ProbedPixelsShowTheMeanOfBothReplicates) {
   RenderPlan settings = settings_of(43, 37, 8);
   settings.aovs = {"samples", "albedo", "direct", "indirect", "emission"};
   const RenderResult result = render(settings);
@@ -282,18 +282,18 @@ TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
   const auto channel = [&](const char* name) { return find_channel(picture, name)->values; };
   const auto red = channel("R"), samples = channel("samples");
   const auto direct = channel("direct.R"), indirect = channel("indirect.R"), emission = channel("emission.R");
-  std::size_t measured = 0;
+  std::size_t probed = 0;
   for (std::size_t i = 0; i < red.size(); ++i) {
-    const bool is_measured = measured_pixel(*result.film, block_of(*result.film, i)) == i;
-    measured += is_measured;
-    ASSERT_EQ(samples[i], is_measured ? 16.0f : 8.0f);
+    const bool is_probed = probed_pixel(*result.film, block_of(*result.film, i)) == i;
+    probed += is_probed;
+    ASSERT_EQ(samples[i], is_probed ? 16.0f : 8.0f);
     ASSERT_NEAR(direct[i] + indirect[i] + emission[i], red[i], 1e-5f * std::max(red[i], 1.0f));
     ASSERT_GE(indirect[i], -1e-5f * std::max(red[i], 1.0f)) << "light of other samples was taken off";
   }
-  EXPECT_EQ(measured, 11u * 10);
+  EXPECT_EQ(probed, 11u * 10);
 }
 
-TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
+TEST_F(ErrorProbesRender, HowTheWorkIsCutUpDoesNotMatter) {
   for (RenderPlan settings : {settings_of(43, 37, 5), by_quads(settings_of(43, 37, 5))}) {
     settings.aovs = {"albedo", "normal", "depth", "direct"};
     const RenderResult expected = render(settings);
@@ -309,10 +309,10 @@ TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
 }
 
 // Of what is measured by pixels: a second net is as good on another pixel. Light is shared, not changed.
-TEST_F(WholeNetsRender, ByQuadsThePictureAndItsErrorAreTheSame) {
+TEST_F(ErrorProbesRender, ByQuadsThePictureAndItsErrorAreTheSame) {
   const RenderPlan alone = settings_of(64, 61, 64); // 488 quads measure it
   const RenderResult expected = render(alone);
-  for (const RenderPlan& settings : {by_quads(alone), by_quads(halved(alone))}) {
+  for (const RenderPlan& settings : {by_quads(alone), by_quads(split(alone))}) {
     const RenderResult result = render(settings);
     ASSERT_TRUE(result.film->quads);
     double mean = 0.0, variance = 0.0;
@@ -328,14 +328,14 @@ TEST_F(WholeNetsRender, ByQuadsThePictureAndItsErrorAreTheSame) {
 }
 
 // Kernels made for whole nets serve another render until its own are ready.
-TEST_F(WholeNetsRender, TheirKernelsRenderHalvedNetsAsWell) {
-  const RenderPlan settings = halved(settings_of(43, 37, 4));
+TEST_F(ErrorProbesRender, TheirKernelsRenderSplitReplicatesAsWell) {
+  const RenderPlan settings = split(settings_of(43, 37, 4));
   RenderPlan with_room = settings;
-  with_room.kernels.whole_nets = true;
+  with_room.kernels.has_probes = true;
   EXPECT_TRUE(*render(with_room).film == *render(settings).film);
 }
 
-TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
+TEST_F(ErrorProbesRender, FilmsJoinWithoutLoss) {
   for (const RenderPlan& whole : {settings_of(43, 37, 7), by_quads(settings_of(43, 37, 7))}) {
     RenderPlan first = whole, second = whole;
     first.last_sample = second.first_sample = 3;
@@ -346,7 +346,7 @@ TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
   }
 }
 
-TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
+TEST_F(ErrorProbesRender, GoOnWithinProbesToTheSameBits) {
   for (RenderPlan settings : {settings_of(43, 37, 8), by_quads(settings_of(43, 37, 8))}) {
     const RenderResult whole = render(settings);
     settings.wave_slots = 100; // many waves a pass
@@ -361,15 +361,15 @@ TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
     write_state(folder.file("state"), "identity", "device", "[]", *state);
     const StateRecord record = read_state(folder.file("state"));
     EXPECT_TRUE(record.state.film == state->film);
-    EXPECT_EQ(record.state.film.measured, state->film.measured);
+    EXPECT_EQ(record.state.film.probed, state->film.probed);
     resuming.resume = &record.state;
     EXPECT_TRUE(*render(settings, resuming).film == *whole.film);
   }
 }
 
-TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
+TEST_F(ErrorProbesRender, FilesHoldTheWholeFilm) {
   for (RenderPlan settings : {settings_of(43, 37, 4), by_quads(settings_of(43, 37, 4)), by_quads(settings_of(9, 9, 4)),
-                              halved(by_quads(settings_of(9, 9, 4)))}) {
+                              split(by_quads(settings_of(9, 9, 4)))}) {
     const bool aovs = settings.width == 43;
     settings.seed = 5;
     if (aovs) settings.aovs = {"albedo", "depth"};
@@ -381,16 +381,16 @@ TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
     write_exr(folder.file("film.exr"), result.picture, info, false);
     const auto film = read_film(folder.file("film.exr"));
     EXPECT_TRUE(*film == *result.film) << "aovs " << aovs;
-    EXPECT_EQ(film->measured, result.film->measured);
+    EXPECT_EQ(film->probed, result.film->probed);
   }
 }
 
 // More sums than one buffer of this device holds: bands, whose second nets follow their pixels.
-TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
+TEST_F(ErrorProbesRender, InSeveralBandsTheyAreTheSame) {
   const std::uint64_t limit = device().info().max_storage_range;
   if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";
   const auto height = static_cast<std::uint32_t>(limit / sizeof(gpu::FilmPixel) / 1026 + 37);
-  RenderPlan settings = settings_of(1026, height, 1), twice = halved(settings_of(1026, height, 2));
+  RenderPlan settings = settings_of(1026, height, 1), twice = split(settings_of(1026, height, 2));
   settings.max_depth = twice.max_depth = 0;
   const auto whole = render(settings).film, expected = render(twice).film;
   const std::size_t pixels = std::size_t{1026} * height;
@@ -398,8 +398,8 @@ TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
   std::size_t differing = 0;
   for (std::size_t i = 0; i < pixels; ++i) differing += !same(whole->pixels[i], expected->pixels[2 * i]);
   EXPECT_EQ(differing, 0u);
-  for (std::size_t block = 0; block < whole->shape().second_nets(); ++block)
-    differing += !same(whole->pixels[pixels + block], expected->pixels[2 * measured_pixel(*whole, block) + 1]);
+  for (std::size_t block = 0; block < whole->shape().probe_count(); ++block)
+    differing += !same(whole->pixels[pixels + block], expected->pixels[2 * probed_pixel(*whole, block) + 1]);
   EXPECT_EQ(differing, 0u);
   FilmTarget target(device());
   const FilmShape quads = film_shape(by_quads([&] {
@@ -411,15 +411,15 @@ TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
   target.fit(quads, false);
   std::uint64_t pixels_of_bands = 0, second_of_bands = 0;
   for (const FilmBand& band : target.bands()) {
-    EXPECT_EQ(band.first_second, second_of_bands);
-    EXPECT_EQ(band.first_second % 4, 0u);
-    pixels_of_bands += band.pixel_count, second_of_bands += band.second_count;
+    EXPECT_EQ(band.first_probe, second_of_bands);
+    EXPECT_EQ(band.first_probe % 4, 0u);
+    pixels_of_bands += band.pixel_count, second_of_bands += band.probe_count;
   }
   EXPECT_EQ(pixels_of_bands, quads.pixels());
-  EXPECT_EQ(second_of_bands, quads.second_nets());
+  EXPECT_EQ(second_of_bands, quads.probe_count());
   target.fit(film_shape(settings), false);
   std::size_t bands = 0;
-  for (const FilmBand& band : target.bands()) bands += band.second_count > 0;
+  for (const FilmBand& band : target.bands()) bands += band.probe_count > 0;
   EXPECT_GT(bands, 1u);
   target.upload(*whole);
   EXPECT_TRUE(target.download() == *whole);
@@ -471,7 +471,7 @@ private:
   std::unique_ptr<Integrator> inner_;
 };
 
-TEST_F(WholeNetsRender, NoWavePartsAQuad) {
+TEST_F(ErrorProbesRender, NoWavePartsAQuad) {
   IntegratorKind watched = *find_integrator("path");
   watched.make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
     return std::make_unique<Watched>(workspace, find_integrator("path")->make(workspace, kernels));
@@ -482,7 +482,7 @@ TEST_F(WholeNetsRender, NoWavePartsAQuad) {
       for (const std::uint32_t slots : {1u, 7u, 64u, 701u}) {
         if (slots == 7 && adaptive == kAdaptiveOn) continue; // has room for more than it asks for
         RenderPlan settings = by_quads(settings_of(43, 37, adaptive == kAdaptiveOn ? 8 : 2));
-        if (!whole) settings = halved(settings);
+        if (!whole) settings = split(settings);
         settings.adaptive = adaptive, settings.wave_slots = slots;
         settings.integrator = &watched;
         Watched::waves = Watched::broken = 0;
@@ -495,19 +495,19 @@ TEST_F(WholeNetsRender, NoWavePartsAQuad) {
 }
 
 // One path of a second net can be followed like any other.
-TEST_F(WholeNetsRender, PathsOfSecondNetsAreReplayed) {
+TEST_F(ErrorProbesRender, PathsOfProbesAreReplayed) {
   const RenderPlan settings = settings_of(43, 37, 1);
   const RenderResult result = render(settings);
   const View view = resolve_view(scene_, {}, 43, 37);
   PathReplay replay(device(), packed_, view, settings, kernels());
   for (const std::uint32_t block : {37u, 49u, 60u}) {
-    const glm::uvec2 at = gpu::measured_pixel(block, 43, 37, settings.seed, gpu::kMeasuresPixels);
+    const glm::uvec2 at = gpu::probed_pixel(block, 43, 37, settings.seed, gpu::kProbesPixels);
     const glm::dvec3 both = mean_radiance(*result.film, std::size_t{at.y} * 43 + at.x);
     const glm::dvec3 first = replay.trace(at, 0, 0).radiance, second = replay.trace(at, 0, 1).radiance;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c], 0.5 * (first[c] + second[c]), 1e-6 * both[c]);
     EXPECT_NE(first, second) << "both nets have the same points";
   }
-  const glm::uvec2 other = gpu::measured_pixel(0, 43, 37, settings.seed, gpu::kMeasuresPixels) ^ glm::uvec2(1, 0);
+  const glm::uvec2 other = gpu::probed_pixel(0, 43, 37, settings.seed, gpu::kProbesPixels) ^ glm::uvec2(1, 0);
   EXPECT_THROW(replay.trace(other, 0, 1), Error);
 }
 

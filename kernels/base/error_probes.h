@@ -17,8 +17,8 @@
 // by block from the top left; by quads those of a tile block follow each other, so that second nets are quads as well.
 // The last quad of the picture may have fewer than four pixels. It is measured only where its tile block has no other,
 // and then has as many second nets: the last quad of second nets may be as short.
-#ifndef WAVEPATH_NET_LAYOUT_H
-#define WAVEPATH_NET_LAYOUT_H
+#ifndef WAVEPATH_ERROR_PROBES_H
+#define WAVEPATH_ERROR_PROBES_H
 
 #include "kernels/base/division.h"
 #include "kernels/base/tile_order.h"
@@ -29,19 +29,19 @@ namespace wavepath::gpu {
 
 // Which pixels are measured, as Frame and DisplayJob have it: all, since their nets are halved; one of each block; one
 // quad of each tile block.
-GPU_CONSTANT uint kMeasuresAll = 0u, kMeasuresPixels = 1u, kMeasuresQuads = 2u;
+GPU_CONSTANT uint kProbesNone = 0u, kProbesPixels = 1u, kProbesQuads = 2u;
 GPU_CONSTANT uint kQuadPixels = 4u;
 
 // Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, for 1.6 %
 // more samples instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
-GPU_FUNCTION uint net_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
+GPU_FUNCTION uint probe_block_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
 // Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
-GPU_FUNCTION uint net_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
+GPU_FUNCTION uint probe_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
 
 // A tile block is 8 or 32 pixels wide, so that it has as many for each measured one as a block has. Logarithm of that,
 // and how many there are in a row.
-GPU_FUNCTION uint tile_block_shift(uint width, uint height) { return net_side(width, height) == 4u ? 3u : 5u; }
+GPU_FUNCTION uint tile_block_shift(uint width, uint height) { return probe_block_side(width, height) == 4u ? 3u : 5u; }
 GPU_FUNCTION uint tile_blocks_across(uint width, uint height) {
   uint shift = tile_block_shift(width, height);
   return (width + (1u << shift) - 1u) >> shift;
@@ -64,13 +64,13 @@ GPU_FUNCTION TileBlock tile_block(uint index, uint width, uint height) {
 }
 
 // Second nets of the upper `rows` of the picture, which are all or end with a row of tiles.
-GPU_FUNCTION uint second_nets_above(uint rows, uint width, uint height, uint measures) {
-  if (measures == kMeasuresAll) return 0u;
-  if (measures == kMeasuresPixels) {
-    uint side = net_side(width, height);
-    return net_blocks(rows, side) * net_blocks(width, side);
+GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) {
+  if (probes == kProbesNone) return 0u;
+  if (probes == kProbesPixels) {
+    uint side = probe_block_side(width, height);
+    return probe_blocks(rows, side) * probe_blocks(width, side);
   }
-  uint blocks = net_blocks(rows, 8u) * tile_blocks_across(width, height);
+  uint blocks = probe_blocks(rows, 8u) * tile_blocks_across(width, height);
   uint last = tile_block(blocks - 1u, width, height).pixels;
   return kQuadPixels * (blocks - 1u) + (last < kQuadPixels ? last : kQuadPixels);
 }
@@ -81,44 +81,44 @@ GPU_FUNCTION uint rank_in_quad(uint place, uint pixels) {
 }
 GPU_FUNCTION uint quad_places(uint place, uint width, uint height) {
   uint pixels = width * height;
-  uint end = place < pixels ? pixels : pixels + second_nets_above(height, width, height, kMeasuresQuads);
+  uint end = place < pixels ? pixels : pixels + probes_above(height, width, height, kProbesQuads);
   uint left = end - place + rank_in_quad(place, pixels);
   return left < kQuadPixels ? left : kQuadPixels;
 }
 
-GPU_FUNCTION uint net_block_of(uvec2 pixel, uint width, uint height, uint measures) {
-  if (measures == kMeasuresQuads) {
+GPU_FUNCTION uint probe_block_of(uvec2 pixel, uint width, uint height, uint probes) {
+  if (probes == kProbesQuads) {
     uint block = pixel.y / 8u * tile_blocks_across(width, height) + (pixel.x >> tile_block_shift(width, height));
     return block * kQuadPixels + rank_in_quad(tile_order_of(pixel, width, height), width * height);
   }
-  uint side = net_side(width, height);
-  return pixel.y / side * net_blocks(width, side) + pixel.x / side;
+  uint side = probe_block_side(width, height);
+  return pixel.y / side * probe_blocks(width, side) + pixel.x / side;
 }
 
 // Of one word, in which every bit of it tells on every bit of the result: multiply, shift, twice.
-GPU_FUNCTION uint net_hash(uint word) {
+GPU_FUNCTION uint probe_hash(uint word) {
   word = (word ^ (word >> 16u)) * 0x9e3779b1u;
   word = (word ^ (word >> 15u)) * 0x85ebca6bu;
   return word ^ (word >> 13u);
 }
 
 // The quad of a tile block that is measured: each complete one with the same chance. Its first pixel, in tile order.
-GPU_FUNCTION uint measured_quad(uint index, uint width, uint height, uint seed) {
+GPU_FUNCTION uint probed_quad(uint index, uint width, uint height, uint seed) {
   TileBlock block = tile_block(index, width, height);
-  uint random = net_hash(index + net_hash(seed)) >> 16u;
+  uint random = probe_hash(index + probe_hash(seed)) >> 16u;
   return block.first + (random * (block.pixels / kQuadPixels) >> 16u) * kQuadPixels;
 }
 
 // The pixel of a block that has the second net: each with the same chance, but for up to three of an incomplete quad.
-GPU_FUNCTION uvec2 measured_pixel(uint block, uint width, uint height, uint seed, uint measures) {
-  if (measures == kMeasuresQuads) {
-    uint first = measured_quad(block / kQuadPixels, width, height, seed);
+GPU_FUNCTION uvec2 probed_pixel(uint block, uint width, uint height, uint seed, uint probes) {
+  if (probes == kProbesQuads) {
+    uint first = probed_quad(block / kQuadPixels, width, height, seed);
     return pixel_in_tile_order(first + block % kQuadPixels, width, height);
   }
-  uint side = net_side(width, height), across = net_blocks(width, side);
+  uint side = probe_block_side(width, height), across = probe_blocks(width, side);
   uint row = divide(block, across), left = (block - row * across) * side, top = row * side;
   uint columns = width - left < side ? width - left : side, rows = height - top < side ? height - top : side;
-  uint random = net_hash(block + net_hash(seed)) >> 16u;
+  uint random = probe_hash(block + probe_hash(seed)) >> 16u;
   uint place = random * (columns * rows) >> 16u;
   uint down = divide_small(place, columns);
   return uvec2(left + (place - down * columns), top + down);
