@@ -1,5 +1,5 @@
-// Adaptive renders: which runs of pixels get how many samples, that every net gets those of its pixel, that the mean
-// stays and the error is told, and that auto is adaptive where that pays alone.
+// Adaptive renders: which runs of pixels get how many samples, that every replicate gets those of its pixel, that the
+// mean stays and the error is told, and that auto is adaptive where that pays alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ namespace {
 
 // ---- how samples are shared out -------------------------------------------------------------------------------------
 
-// Of one sample in each net of a pixel, which differ by `apart(x, y)`.
+// Of one sample in each replicate of a pixel, which differ by `apart(x, y)`.
 template <class Apart>
 Film pilot_of(std::uint32_t width, std::uint32_t height, Apart apart) {
   Film pilot = make_film({.width = width, .height = height});
@@ -233,15 +233,15 @@ protected:
 
 TEST_F(AdaptiveRender, GivesBothSplitReplicatesASample) {
   RenderPlan settings = settings_of(128, 96, 4);
-  settings.aovs = {"variance"}; // halves nets
+  settings.aovs = {"variance"}; // splits samples between replicates
   const RenderResult result = render(settings);
   ASSERT_TRUE(result.noise && result.noise->used);
   EXPECT_TRUE(std::isfinite(result.error.relative_rms));
   EXPECT_EQ(std::ranges::min(levels_of(settings)), kLowestLevelOfSplitReplicates) << "the scene has quiet parts";
 }
 
-// Both nets of a measured pixel have as many samples, whatever its neighbours in the block have: borders cut tiles, so
-// that runs go across blocks.
+// Both replicates of a probed pixel have as many samples, whatever its neighbours in the block have: borders cut tiles,
+// so that runs go across blocks.
 TEST_F(AdaptiveRender, EveryReplicateHasTheSamplesOfItsPixel) {
   for (const char* integrator : {"path", "whitted"}) {
     SCOPED_TRACE(integrator);
@@ -267,7 +267,7 @@ TEST_F(AdaptiveRender, EveryReplicateHasTheSamplesOfItsPixel) {
   }
 }
 
-// A net of a run is that of an even render of as many samples.
+// A replicate of a run is that of an even render of as many samples.
 TEST_F(AdaptiveRender, ReplicatesAreThoseOfEvenRenders) {
   RenderPlan settings = settings_of(101, 67, 16);
   const std::vector<std::int8_t> levels = levels_of(settings);
@@ -283,7 +283,7 @@ TEST_F(AdaptiveRender, ReplicatesAreThoseOfEvenRenders) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(i, 101, 67);
       const std::size_t pixel = std::size_t{at.y} * 101 + at.x, block = block_of(film, pixel);
       ASSERT_TRUE(mean_radiance(film, pixel) == mean_radiance(expected, pixel)) << level << " " << i;
-      if (probed_pixel(film, block) == pixel) { // second nets among them
+      if (probed_pixel(film, block) == pixel) { // probes among them
         ASSERT_TRUE(mean_variance(film, pixel) == mean_variance(expected, pixel)) << level << " " << i;
       }
       ++compared;
@@ -428,7 +428,8 @@ TEST_F(AdaptiveRender, AnOpenEndRendersTheShortestPilot) {
   EXPECT_EQ(render(settings).noise->samples, 32u);
 }
 
-// Every net is in one segment, of its band and of its pixel's level, in which all lie as far from their film entries.
+// Every entry is in one segment, of its band and of its pixel's level, where
+// entry minus offset in the film is the same for all.
 TEST_F(AdaptiveRender, SegmentsHoldEveryReplicateOnce) {
   const std::uint64_t limit = device().info().max_storage_range;
   const auto tall =

@@ -1,4 +1,4 @@
-// Whole nets: which renders have them, which pixels are measured, what the film then holds, and that it is the same
+// Error probes: which renders have them, which pixels are probed, what the film then holds, and that it is the same
 // however a render is cut up, stopped, stored or joined.
 #include <cmath>
 #include <cstdint>
@@ -68,7 +68,8 @@ TEST(ErrorProbes, DecideTheIdentity) {
   const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, split);
   EXPECT_EQ(first_difference(a, a), std::nullopt);
   EXPECT_EQ(first_difference(a, b),
-            "its pixels have whole nets of samples, not halved ones (--aov variance and --denoise halve them)");
+            "it has error probes, not samples split between two replicates (--aov variance and --denoise split samples "
+            "between replicates)");
 }
 
 // As many pixels as the error of a picture takes, and no more.
@@ -92,7 +93,7 @@ TEST(ErrorProbes, MeasureTwoThousandPixelsOrMore) {
   for (const int times : places) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
 }
 
-// Every pixel of a block, cut off or not, is measured for as many seeds; so are pairs of neighbouring blocks.
+// Every pixel of a block, cut off or not, is probed for as many seeds; so are pairs of neighbouring blocks.
 TEST(ErrorProbes, AnyPixelOfABlockMayBeProbed) {
   constexpr std::uint32_t kSeeds = 1 << 15, kWidth = 11, kHeight = 7; // last blocks of 3x4, 4x3 and 3x3
   const double level = sidak(0.01, 7);
@@ -156,7 +157,7 @@ TEST(Quads, EveryBlockOfTheirPixelsHasOneProbe) {
   }
 }
 
-// Second nets of a quad follow each other as its pixels do, which in a complete tile are a square.
+// Probes of a quad follow each other as its pixels do, which in a complete tile are a square.
 TEST(Quads, AreProbedWhole) {
   for (const auto& [width, height] : kSizes) {
     SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
@@ -185,7 +186,7 @@ TEST(Quads, AreProbedWhole) {
   }
 }
 
-// About as many second nets as of single pixels.
+// About as many probes as of single pixels.
 TEST(Quads, AreAsManyAsTheErrorOfAPictureTakes) {
   for (const auto& [width, height, second] : {std::tuple{256u, 128u, 2048u},
                                               {512u, 512u, 4096u},
@@ -258,7 +259,7 @@ RenderPlan split(RenderPlan settings) {
   return settings;
 }
 
-// A whole net of n samples is what a halved one of twice as many samples has: with as many points, and the same ones.
+// A replicate of all n samples is what one of 2n split samples is: with as many points, and the same ones.
 TEST_F(ErrorProbesRender, EachReplicateHoldsAllSamples) {
   const std::pair<const char*, std::uint32_t> cases[] = {
       {"path", gpu::kSamplerSobol}, {"path", gpu::kSamplerStratified}, {"whitted", gpu::kSamplerSobol}};
@@ -297,8 +298,7 @@ TEST_F(ErrorProbesRender, HowTheWorkIsCutUpDoesNotMatter) {
   for (RenderPlan settings : {settings_of(43, 37, 5), by_quads(settings_of(43, 37, 5))}) {
     settings.aovs = {"albedo", "normal", "depth", "direct"};
     const RenderResult expected = render(settings);
-    for (const std::uint32_t slots :
-         {64u, 700u, 1600u}) { // 1591 pixels: waves end within pixels, and within second nets
+    for (const std::uint32_t slots : {64u, 700u, 1600u}) { // 1591 pixels: waves end within pixels, and within probes
       settings.wave_slots = slots;
       EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
     }
@@ -308,7 +308,7 @@ TEST_F(ErrorProbesRender, HowTheWorkIsCutUpDoesNotMatter) {
   }
 }
 
-// Of what is measured by pixels: a second net is as good on another pixel. Light is shared, not changed.
+// Probed by pixels: a probe is as good on another pixel. Light is shared, not changed.
 TEST_F(ErrorProbesRender, ByQuadsThePictureAndItsErrorAreTheSame) {
   const RenderPlan alone = settings_of(64, 61, 64); // 488 quads measure it
   const RenderResult expected = render(alone);
@@ -327,7 +327,7 @@ TEST_F(ErrorProbesRender, ByQuadsThePictureAndItsErrorAreTheSame) {
   }
 }
 
-// Kernels made for whole nets serve another render until its own are ready.
+// Kernels made for error probes serve another render until its own are ready.
 TEST_F(ErrorProbesRender, TheirKernelsRenderSplitReplicatesAsWell) {
   const RenderPlan settings = split(settings_of(43, 37, 4));
   RenderPlan with_room = settings;
@@ -356,7 +356,7 @@ TEST_F(ErrorProbesRender, GoOnWithinProbesToTheSameBits) {
     stopping.save = [&](const RenderState& saved) { state = saved; };
     stopping.save_interval = 1e9; // at the end alone
     ASSERT_EQ(render(settings, stopping).stop, StopReason::interrupted);
-    ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the second nets";
+    ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the probes";
     const TemporaryFolder folder;
     write_state(folder.file("state"), "identity", "device", "[]", *state);
     const StateRecord record = read_state(folder.file("state"));
@@ -385,7 +385,7 @@ TEST_F(ErrorProbesRender, FilesHoldTheWholeFilm) {
   }
 }
 
-// More sums than one buffer of this device holds: bands, whose second nets follow their pixels.
+// More sums than one buffer of this device holds: bands, whose probes follow their pixels.
 TEST_F(ErrorProbesRender, InSeveralBandsTheyAreTheSame) {
   const std::uint64_t limit = device().info().max_storage_range;
   if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";
@@ -494,7 +494,7 @@ TEST_F(ErrorProbesRender, NoWavePartsAQuad) {
       }
 }
 
-// One path of a second net can be followed like any other.
+// One path of a probe can be followed like any other.
 TEST_F(ErrorProbesRender, PathsOfProbesAreReplayed) {
   const RenderPlan settings = settings_of(43, 37, 1);
   const RenderResult result = render(settings);
@@ -505,7 +505,7 @@ TEST_F(ErrorProbesRender, PathsOfProbesAreReplayed) {
     const glm::dvec3 both = mean_radiance(*result.film, std::size_t{at.y} * 43 + at.x);
     const glm::dvec3 first = replay.trace(at, 0, 0).radiance, second = replay.trace(at, 0, 1).radiance;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c], 0.5 * (first[c] + second[c]), 1e-6 * both[c]);
-    EXPECT_NE(first, second) << "both nets have the same points";
+    EXPECT_NE(first, second) << "both replicates have the same points";
   }
   const glm::uvec2 other = gpu::probed_pixel(0, 43, 37, settings.seed, gpu::kProbesPixels) ^ glm::uvec2(1, 0);
   EXPECT_THROW(replay.trace(other, 0, 1), Error);

@@ -175,7 +175,7 @@ class ErrorProbesCoverage : public VulkanTest, public ::testing::WithParamInterf
 
 TEST_P(ErrorProbesCoverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam().subject;
-  // 1024 measured pixels, a quarter of what pictures have whose nets stay whole by themselves.
+  // 1024 probes, a quarter of what pictures have that are large enough for probes by default.
   constexpr std::uint32_t kSide = 128, kReference = 64;
   RenderPlan settings = small(kSide, GetParam().samples);
   settings.sampler = c.sampler;
@@ -297,9 +297,10 @@ TEST(ErrorProbesEstimate, AFireflyIsSeenWhereverItIs) {
   const std::size_t block = 100, probed = probed_pixel(film, block), other = probed ^ 1;
   ASSERT_EQ(block_of(film, other), block);
   const double alone = std::pow(kFirefly / kCount, 2.0) * kWeight / (kSide * kSide); // added to the squared error
-  const std::tuple<const char*, std::size_t, double> cases[] = {{"not measured", other, alone},
-                                                                {"first net", probed, 0.25 * alone},
-                                                                {"second net", kSide * kSide + block, 0.25 * alone}};
+  const std::tuple<const char*, std::size_t, double> cases[] = {
+      {"not measured", other, alone},
+      {"first replicate", probed, 0.25 * alone},
+      {"second replicate", kSide * kSide + block, 0.25 * alone}};
   for (const auto& [where, place, expected] : cases) {
     SCOPED_TRACE(where);
     Film spoilt = film;
@@ -372,10 +373,10 @@ QuadCoverage coverage_of_quads(FilmShape shape, bool alike) {
 
 // Pixels that share light err alike, so that four tell as much as one.
 TEST(QuadsEstimate, TheIntervalHoldsTheErrorOfPixelsThatErrAlike) {
-  const FilmShape whole{.width = 64, .height = 61, .has_probes = true, .quads = true}; // 64 quads are measured
+  const FilmShape whole{.width = 64, .height = 61, .has_probes = true, .quads = true}; // 64 quads are probed
   const FilmShape halved{.width = 32, .height = 30, .quads = true};
   for (const FilmShape& shape : {whole, halved}) {
-    SCOPED_TRACE(shape.has_probes ? "whole nets" : "halved nets");
+    SCOPED_TRACE(shape.has_probes ? "error probes" : "split replicates");
     const QuadCoverage alike = coverage_of_quads(shape, true), apart = coverage_of_quads(shape, false);
     EXPECT_NEAR(alike.covered, 0.95, 0.04);
     EXPECT_GE(apart.covered, 0.93) << "the weights' share is for scenes whose weights are not known";

@@ -31,7 +31,7 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   need.config.stack_size = 65;
   EXPECT_FALSE(generic.covers(need));
   KernelNeed whole = generic;
-  whole.config.probing = gpu::kProbingOn; // the frame says whether nets are whole
+  whole.config.probing = gpu::kProbingOn; // the frame says whether there are probes
   EXPECT_TRUE(whole.covers(generic));
   EXPECT_FALSE(generic.covers(whole));
   KernelNeed fewer = generic;

@@ -576,7 +576,7 @@ Scene bright_room() {
 // As in error_test.cpp, by fewer seeds.
 TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
   for (const bool has_probes : {false, true}) {
-    SCOPED_TRACE(has_probes ? "whole nets" : "halved nets");
+    SCOPED_TRACE(has_probes ? "error probes" : "split replicates");
     constexpr std::uint32_t kRuns = 40, kReference = 32;
     RenderPlan settings = reusing(asked(has_probes ? 8 : 32));
     settings.width = settings.height = has_probes ? 96 : 40;
@@ -589,7 +589,7 @@ TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
       settings.seed = seed;
       return render(shown, settings);
     });
-    // 38 are expected. Of second nets there are 576 here, a quarter of what pictures have whose nets stay whole by
+    // 38 are expected. There are 576 probes here, a quarter of what pictures have that are large enough for probes by
     // themselves: 34 are covered without reuse, of half as many samples.
     EXPECT_GE(found.covered, has_probes ? 31u : 35u);
     EXPECT_NEAR(found.ratio.mean(), 1.0, has_probes ? 0.1 : 0.05) << "its own noise is " << found.ratio.error();

@@ -438,7 +438,7 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
   });
 }
 
-// The mean of both nets of measured pixels, and everywhere the variance that the two tell.
+// The mean of both replicates of probed pixels, and everywhere the variance that the two tell.
 class ErrorProbesDisplay : public DisplayTest, public ::testing::WithParamInterface<std::uint32_t> {};
 
 TEST_P(ErrorProbesDisplay, ShowsBothReplicates) {
@@ -451,7 +451,7 @@ TEST_P(ErrorProbesDisplay, ShowsBothReplicates) {
   const Film film = progressive.film();
   ASSERT_TRUE(film.has_probes);
   ASSERT_EQ(film.quads, GetParam() == kReuseOn);
-  Film first = film; // without second nets
+  Film first = film; // without probes
   for (std::size_t i = film.shape().pixels(); i < first.pixels.size(); ++i) first.pixels[i] = {};
   const auto toned = [](const glm::vec3& radiance) {
     const glm::vec3 linear = tonemap(Tonemap::neutral, radiance);

@@ -110,7 +110,7 @@ std::uint64_t guide_bytes() {
   return total_bytes(guided.integrator->items(guided, {}, 0));
 }
 
-// Of the film of a picture of the usual size, with whole and with halved nets.
+// Bytes of the film of a picture of the usual size, with error probes and with two replicates a pixel.
 Json film_bytes() {
   RenderPlan whole, halved;
   halved.aovs = {"variance"};

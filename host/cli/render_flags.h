@@ -49,7 +49,7 @@ struct RenderRequest {
   std::optional<std::uint32_t> guide_iterations; // likewise
   std::optional<glm::uvec2> pixel;               // replay this one's
   std::optional<std::uint32_t> sample;           // instead of rendering
-  std::uint32_t replicate = 0;                   // of which net of the pixel
+  std::uint32_t replicate = 0;                   // of the pixel
 };
 
 // The words of a command line for the parser. A flag that may stand without its value would take the word behind it,

@@ -157,8 +157,8 @@ std::string describe_first(const Nonfinite& nonfinite, const RenderPlan& setting
       "the first in pixel {},{}, sample {}{}, seed {}, made by {}; these flags and --pixel {},{} --sample {}{} --seed "
       "{} "
       "replay it",
-      at.x, at.y, first.sample, first.at.replicate ? " of its second net" : "", settings.seed, kMakerNames[first.maker],
-      at.x, at.y, first.sample, first.at.replicate ? " --net 1" : "", settings.seed);
+      at.x, at.y, first.sample, first.at.replicate ? " of its second replicate" : "", settings.seed,
+      kMakerNames[first.maker], at.x, at.y, first.sample, first.at.replicate ? " --net 1" : "", settings.seed);
 }
 
 void write_pictures(OutputRequest& output, const PictureInfo& info, const Picture& picture, Warnings& warnings,

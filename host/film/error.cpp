@@ -101,8 +101,8 @@ struct Sums {
   }
 };
 
-// The pixels of a block, and how many times the squared error of its measured pixel, which has two nets, they have all
-// together. The weight of that pixel stands for all weights: each had the same chance to be measured, so that the sum
+// The pixels of a block, and the sum of their squared errors over that of the probed pixel, which has two replicates.
+// The weight of the probed pixel stands for all weights: each pixel had the same chance to be probed, so that the sum
 // over blocks is right on average, whatever the pixels of a block have in common.
 struct BlockShare {
   double pixels = 0.0, times = 0.0;
@@ -113,7 +113,7 @@ BlockShare share_of(const Film& film, std::size_t probed) {
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
 }
 
-// What the measured pixels of a quad stand for: their squared errors, times so many pixels.
+// The squared errors of the probed pixels of a quad, each times the pixels that it stands for.
 struct Quad {
   double squared = 0.0, pixels = 0.0;
 };
@@ -192,12 +192,12 @@ ErrorEstimate estimate_error(const Film& film) {
     largest = std::max(largest, row.largest_alone);
   }
   const double n = static_cast<double>(pixel_count), mean = sum / n;
-  // The interval is of this picture's error, not of its expectation: both the estimate, over the measured pixels, and
-  // what it estimates, over all, scatter, alike and independently (the sum and the difference of two replicates are
-  // independent where they are normal). The weights are known less well: over scenes and sample counts they left the
-  // squared error 0.91 to 1.0 of the true one. Of what is measured and of all there are a quarter as many quads as
-  // pixels: where their pixels err independently the means scatter a quarter as much, where they err alike as much as
-  // single ones, and the interval is twice as wide.
+  // The interval is of this picture's error, not of its expectation: both the estimate, over the probed pixels, and
+  // what it estimates, over all pixels, scatter, alike and independently (the sum and the difference of two replicates
+  // are independent where they are normal). The weights are known less well: over scenes and sample counts they left
+  // the squared error at 0.91x to 1.0x of the true one. There are a quarter as many quads as pixels, probed or not:
+  // where the pixels of a quad err independently their mean scatters a quarter as much as a pixel, where they err alike
+  // it scatters as much, and the interval is twice as wide.
   constexpr double kWeights = 0.05; // standard deviation of that
   const double probed = film.has_probes ? static_cast<double>(film.shape().probe_count()) : n;
   const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels to each squared error
@@ -205,7 +205,7 @@ ErrorEstimate estimate_error(const Film& film) {
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
   double high = mean + kNormal95 * spread, share = sum > 0.0 ? largest / sum : 0.0;
-  if (film.has_probes) { // the largest sample may lie where nothing is measured
+  if (film.has_probes) { // the largest sample may lie where no pixel is probed
     high = std::max(high, mean + largest / n);
     share = std::min(share, 1.0);
   }

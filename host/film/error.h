@@ -32,7 +32,7 @@ struct Checkpoint { // at powers of two of spp, and at the end
 };
 
 // sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is
-// estimated by the spread of two replicates, its own or those of its block's measured pixel, which is right for any
+// estimated by the spread of two replicates, its own or those of its block's probed pixel, which is right for any
 // sampler because they are scrambled independently; per-sample variance would overstate Owen-scrambled Sobol's error up
 // to 12 times. Not a number while a replicate lacks samples.
 ErrorEstimate estimate_error(const Film& film);

@@ -90,7 +90,7 @@ glm::dvec3 total_of(const gpu::SplatPixel& pixel) {
   return {value_of(pixel.red), value_of(pixel.green), value_of(pixel.blue)};
 }
 
-// The nets of a pixel; the second is null where a whole net is not measured.
+// The replicates of a pixel; the second is null where the pixel is not probed.
 struct PixelReplicates {
   const gpu::FilmPixel *first, *second;
 };
@@ -266,8 +266,9 @@ gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
   return mean;
 }
 
-// Two nets a, b of n and m samples each vary by v / n and v / m, where (a - b)^2 estimates the sum of the two; so a
-// mean of k samples varies by v / k = (a - b)^2 nm / (n + m) / k, which is (a - b)^2 / 4 for that of both where n = m.
+// Means a, b of two replicates of n and m samples have the variances v / n and v / m, whose sum (a - b)^2 estimates. So
+// a mean of k samples has the variance v / k = (a - b)^2 nm / (n + m) / k; for the mean of both, with n = m, that is
+// (a - b)^2 / 4.
 ReplicateDifference replicate_difference(const Film& film, std::size_t probed) {
   static_assert(gpu::kReplicates == 2);
   const auto [a, b] = replicates_of(film, probed);

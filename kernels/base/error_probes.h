@@ -1,22 +1,28 @@
-// Whole nets: which pixel of every block is measured, that is, has a second net of samples. Compiled by kernels and
-// host alike.
+// Error probes: which pixel of every block has a second replicate of its samples. Compiled by kernels and host alike.
 //
-// A pixel's error is the less the more samples its net has: two halves of a net cost up to twice the squared error of
-// the whole. So pixels keep their nets whole, and one in a block has a second one, scrambled independently, whose
-// difference from the first measures the error of the block. A hash picks it, so that no pattern of the picture can
-// hide from it.
+// A replicate is a stream of samples that is scrambled independently of others. The difference of two replicates of a
+// pixel measures its error. But one replicate of all samples has less error than two of half the samples, whose mean
+// has up to twice its squared error. So every pixel has one replicate of all samples, and one pixel in a block, the
+// probed pixel, has a second one as long: the error probe of the block. A hash picks the probed pixel, so that no
+// pattern of the picture can hide from it.
 //
-// Where four neighbouring pixels share samples, they err alike, and a second net takes neighbours that share with it.
-// So there pixels are measured by quads. A quad is four consecutive pixels in tile order, counted from the first of the
-// picture: a square of 2x2 in a complete tile, and always within one tile, since tiles begin at multiples of eight. Of
-// every tile block, one or four tiles side by side, the hash picks one quad, all four pixels of which have second nets.
+//     by pixels: blocks of 4x4, probed pixels #         by quads: tile blocks of 8x8, probed quads ##
+//     . . . . | . . # . | . . . .                       . . . . . . . . | . . . . . . . .
+//     . # . . | . . . . | . . . .                       . . . . . . . . | . . . . . . . .
+//     . . . . | . . . . | # . . .                       . . # # . . . . | . . . . . . . .
+//     . . . . | . . . . | . . . .                       . . # # . . . . | . . . . . . . .    (4 of 8 rows)
+//
+// Four neighbouring pixels that share samples err alike, and their probes must share among themselves as well. So such
+// pictures are probed by quads. A quad is four consecutive pixels in tile order, counted from the first of the picture:
+// a square of 2x2 in a complete tile. It always lies within one tile, since tiles begin at multiples of eight. A tile
+// block is one tile, or four side by side; the hash picks one of its quads, and all four pixels of that are probed.
 // Pixels of equal rank in their quads, 0 to 3, are a block: the four blocks of a tile block lie in one another, and
-// each has one measured pixel.
+// each has one probed pixel.
 //
-// Places in waves, and so entries of the film, are those of all pixels in tile order, then those of second nets, block
-// by block from the top left; by quads those of a tile block follow each other, so that second nets are quads as well.
-// The last quad of the picture may have fewer than four pixels. It is measured only where its tile block has no other,
-// and then has as many second nets: the last quad of second nets may be as short.
+// Entries of the film are all pixels in tile order, then the probes, block by block from the top left. By quads, probes
+// of a tile block follow each other, so that they form quads as well. The last quad of the picture may be incomplete
+// (1 to 3 pixels). It is probed only if its tile block contains no other quad; the last quad of probes then has the
+// same number of entries.
 #ifndef WAVEPATH_ERROR_PROBES_H
 #define WAVEPATH_ERROR_PROBES_H
 
@@ -27,20 +33,20 @@
 namespace wavepath::gpu {
 #endif
 
-// Which pixels are measured, as Frame and DisplayJob have it: all, since their nets are halved; one of each block; one
-// quad of each tile block.
+// Which pixels have probes, as Frame and DisplayJob have it: none, since samples of every pixel are split between its
+// two replicates; one pixel of each block; one quad of each tile block.
 GPU_CONSTANT uint kProbesNone = 0u, kProbesPixels = 1u, kProbesQuads = 2u;
 GPU_CONSTANT uint kQuadPixels = 4u;
 
-// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, for 1.6 %
-// more samples instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
+// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 probes as well, for 1.6 % more samples
+// instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
 GPU_FUNCTION uint probe_block_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
 // Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
 GPU_FUNCTION uint probe_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
 
-// A tile block is 8 or 32 pixels wide, so that it has as many for each measured one as a block has. Logarithm of that,
-// and how many there are in a row.
+// A tile block is 8 or 32 pixels wide, so that it has as many pixels for each probe as a block has. Logarithm of its
+// width, and how many there are in a row.
 GPU_FUNCTION uint tile_block_shift(uint width, uint height) { return probe_block_side(width, height) == 4u ? 3u : 5u; }
 GPU_FUNCTION uint tile_blocks_across(uint width, uint height) {
   uint shift = tile_block_shift(width, height);
@@ -63,7 +69,7 @@ GPU_FUNCTION TileBlock tile_block(uint index, uint width, uint height) {
   return block;
 }
 
-// Second nets of the upper `rows` of the picture, which are all or end with a row of tiles.
+// Probes of the upper `rows` of the picture, which are all or end with a row of tiles.
 GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) {
   if (probes == kProbesNone) return 0u;
   if (probes == kProbesPixels) {
@@ -102,14 +108,14 @@ GPU_FUNCTION uint probe_hash(uint word) {
   return word ^ (word >> 13u);
 }
 
-// The quad of a tile block that is measured: each complete one with the same chance. Its first pixel, in tile order.
+// The probed quad of a tile block: each complete one with the same chance. Its first pixel, in tile order.
 GPU_FUNCTION uint probed_quad(uint index, uint width, uint height, uint seed) {
   TileBlock block = tile_block(index, width, height);
   uint random = probe_hash(index + probe_hash(seed)) >> 16u;
   return block.first + (random * (block.pixels / kQuadPixels) >> 16u) * kQuadPixels;
 }
 
-// The pixel of a block that has the second net: each with the same chance, but for up to three of an incomplete quad.
+// The probed pixel of a block: each with the same chance, but for up to three of an incomplete quad.
 GPU_FUNCTION uvec2 probed_pixel(uint block, uint width, uint height, uint seed, uint probes) {
   if (probes == kProbesQuads) {
     uint first = probed_quad(block / kQuadPixels, width, height, seed);

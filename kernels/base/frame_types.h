@@ -53,7 +53,7 @@ struct Frame {
   uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
-  uint probes;            // kProbesNone: halved; else whole, by pixels or quads (error_probes.h)
+  uint probes;            // kProbesNone, kProbesPixels or kProbesQuads (error_probes.h)
   uint scene_lobes;       // kLobe bits, likewise
   uint first_layers;      // texel of the first MaterialLayers
   float lens_radius;      // metres, of the circle that holds the aperture (kSpecLens)
@@ -70,9 +70,9 @@ struct Frame {
 };
 GPU_CHECK(sizeof(Frame) == 192);
 
-// Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
-// and measured pixels have as many of replicate 1 (error_probes.h). Replicates are scrambled independently, so that
-// their spread measures the error of any sampler.
+// Without error probes, sample s belongs to replicate s % kReplicates. With them, all samples of a pixel belong to
+// replicate 0, and probed pixels have as many of replicate 1 (error_probes.h). Replicates are scrambled independently,
+// so that their spread measures the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
 // Levels of an adaptive render: a run of level k gets 2^k times the samples.
@@ -82,14 +82,14 @@ GPU_CONSTANT int kLevels = kHighestLevel - kLowestLevel + 1;
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
 // pixel; for kernels of an adaptive render (kFeatureAdaptive) wave.h tells it, by levels.
 struct Wave {
-  // In tile order, second nets after all pixels (error_probes.h); where places are listed, in the order of their list.
+  // In tile order, probes after all pixels (error_probes.h); where entries are listed, in the order of their list.
   uint first_pixel;
   uint pixel_count;
   uint first_sample;
   uint sample_count;
   uint bounce;           // 0 = camera rays
-  uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds
-                         // it by
+  uint first_film_pixel; // pixel, in tile order, at the beginning of the film's buffer; for probes, entry minus offset
+                         // in the buffer
   uint level_places[kLevels]; // kFeatureAdaptive: places of each level, the highest first, that make up pixel_count;
                               // first_sample and sample_count are those of level 0
 };

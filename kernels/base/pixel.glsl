@@ -8,10 +8,10 @@
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 
-// Kernels made for whole nets may serve a render of halved ones.
+// Kernels made for error probes may serve a render without them.
 bool has_error_probes() { return kProbing == kProbingOn && frame.probes != kProbesNone; }
 
-// The pixel, in tile order, that pixel `local` of the wave is; of second nets the place after all pixels.
+// The entry of the film, a pixel in tile order or a probe after them, that pixel `local` of the wave is.
 uint wave_pixel(uint local) {
   uint place = wave.first_pixel + local;
   return has(kFeatureAdaptive) ? texelFetch(place_texels, int(place)).x : place;

@@ -1,9 +1,9 @@
 // Random numbers as a pure function of (seed, pixel, sample, dimension): independent, stratified, or Owen-scrambled
 // Sobol.
 //
-// A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn, or all make one net
-// (error_probes.h); each replicate is an independent randomization of the same point set, so that the spread of their
-// means measures the error of any sampler.
+// A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn, or with error
+// probes all belong to one (error_probes.h). Each replicate is an independent randomization of the same point set, so
+// that the spread of their means measures the error of any sampler.
 #ifndef WAVEPATH_SAMPLER_GLSL
 #define WAVEPATH_SAMPLER_GLSL
 
@@ -36,12 +36,12 @@ Sampler make_replicate_sampler(uint seed, uint pixel, uint replicate, uint index
   return Sampler(replicate, index, max(1u, count), pcg3d(uvec3(seed, pixel, replicate)).x);
 }
 
-// Of so many samples of halved nets, those of one replicate.
+// Samples of one replicate, of so many that are split between two.
 uint samples_of_half(uint sample_total, uint replicate) {
   return (sample_total + kReplicates - 1u - replicate) / kReplicates;
 }
 
-// Sample `sample_` of halved nets.
+// Sample `sample_` of those that are split between two replicates.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
   uint replicate = sample_ % kReplicates;
   return make_replicate_sampler(seed, pixel, replicate, sample_ / kReplicates, samples_of_half(sample_total, replicate));

@@ -28,7 +28,7 @@ float value_of(uvec4 sum, uint top) {
   return (high * 4294967296.0 + low) * power_of_two(half_of_it) * power_of_two(exponent - half_of_it);
 }
 
-// What light paths brought to one net of a pixel, for each of them that a sample of this pixel stands for.
+// Light of light paths in one replicate of a pixel, for each of them that a sample of this pixel stands for.
 vec3 fetch_splats(uint index) {
   vec3 sum = vec3(0.0);
   for (uint word = 0u; word < 12u; ++word)
@@ -37,7 +37,7 @@ vec3 fetch_splats(uint index) {
   return sum / (float(job.film_width) * float(job.film_height));
 }
 
-// The samples of one net: their sum and, in w, how many they are.
+// The samples of one replicate: their sum and, in w, how many they are.
 vec4 fetch_sum(uint index) {
   int texel = int(4u * index);
   uvec2 count_tops = texelFetch(film_texels, texel + 3).xy;
@@ -64,7 +64,8 @@ vec3 id_color(uint id) {
   return mix(vec3(0.5), pure, 0.7) * ((id & 1u) == 0u ? 1.0 : 0.7);
 }
 
-// Encoded colour of a pixel whose samples sum to `sum`, one at least; a and b are the two nets that measure its error.
+// Encoded colour of a pixel whose samples sum to `sum`, one at least; a and b are the two replicates that measure its
+// error.
 vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
   vec3 mean = sum.rgb / sum.w;
   int aov = int(kFilmAovTexels * pixel); // first of its texels
@@ -118,7 +119,7 @@ void main() {
     uint probed = tile_order_of(probed_at, job.film_width, job.film_height) - job.first_film_pixel;
     a = fetch_sum(probed);
     b = fetch_sum(job.film_pixel_count + block - job.first_probe);
-    sum = probed != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown of first nets alone
+    sum = probed != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown without probes
   } else {
     a = fetch_sum(pixel * kReplicates);
     b = fetch_sum(pixel * kReplicates + 1u);

@@ -30,7 +30,7 @@ struct DisplayJob {
   uint first_film_pixel; // in tile order, of the band that is bound
   uint film_pixel_count; // of that band
   uint probes;           // as Frame has it
-  uint first_probe;      // block of the band's first second net
+  uint first_probe;      // block of the band's first probe
   uint seed;             // of the render
   uint shown;
   uint tonemap;

@@ -8,7 +8,7 @@
 
 #include "kernels/base/pixel.glsl"
 
-const uint kSecondReplicate = 1u << 31u; // of halved nets, beside the index in its replicate
+const uint kSecondReplicate = 1u << 31u; // without error probes, beside the index in its replicate
 
 void store_sampler(uint slot, Sampler s) {
   uint replicate = has_error_probes() ? 0u : s.replicate * kSecondReplicate;

@@ -114,7 +114,8 @@ std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t replicate) co
   const FilmShape& shape = workspace_.film.shape();
   const std::uint32_t block = gpu::probe_block_of(pixel, frame.width, frame.height, shape.probes());
   if (!shape.has_probes || gpu::probed_pixel(block, frame.width, frame.height, shape.seed, shape.probes()) != pixel)
-    throw Error("--net", fmt::format("pixel {},{} has no second net", pixel.x, pixel.y), "leave it out");
+    throw Error("--net", fmt::format("pixel {},{} is not probed: it has no second replicate", pixel.x, pixel.y),
+                "leave it out");
   return frame.width * frame.height + block;
 }
 

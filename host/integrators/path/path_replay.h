@@ -47,7 +47,7 @@ public:
 
   // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
   // learned (Training::found).
-  // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
+  // `replicate`: 1 is the second one of a probed pixel; throws Error if the pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate = 0);
 
 private:

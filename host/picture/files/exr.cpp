@@ -107,8 +107,8 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 }
 
 // The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
-// there are any, then FilmAovs of second nets. Second nets lie where the measured pixels do; other pixels have zeros
-// there, which take next to no room in a compressed file.
+// there are any, then FilmAovs of error probes. Probes are stored where the probed pixels are; other pixels have zeros
+// in these channels, which take next to no space in a compressed file.
 constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
 constexpr const char* kWithProbes = "whole"; // value of the attribute wavepath.nets
@@ -125,7 +125,7 @@ std::vector<std::string> film_channels(const FilmShape& film) {
   return names;
 }
 
-// The sums of second nets, where the measured pixels lie.
+// The sums of error probes, stored where the probed pixels are.
 struct ProbeSums {
   explicit ProbeSums(const FilmShape& film)
       : pixels(film.has_probes ? film.pixels() : 0), aovs(film.has_probes && film.aovs ? film.pixels() : 0) {}
@@ -133,7 +133,7 @@ struct ProbeSums {
   std::vector<gpu::FilmAovs> aovs;
 };
 
-// Calls body(place in the film, pixel) for every second net.
+// Calls body(entry of the film, pixel) for every error probe.
 template <class Body>
 void for_each_probe(const Film& film, Body body) {
   const FilmShape shape = film.shape();

@@ -16,9 +16,9 @@ namespace wavepath {
 
 inline constexpr std::uint32_t kAdaptivePilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
 
-// The pilot is a picture of 1/noise_pilot_part() of the sides, as noise is even enough over so few pixels. Its nets are
-// halved, which tells the noise of every pixel. Its film lies at the beginning of the first band of `film`, and is
-// smaller yet where that is short.
+// The pilot is a picture of 1/noise_pilot_part() of the sides, since noise varies little over so few pixels. Samples of
+// a pixel are split between two replicates, which measures the noise of every pixel. Its film lies at the beginning of
+// the first band of `film`, and is smaller yet where that is short.
 FilmShape noise_pilot_shape(const FilmTarget& film);
 
 // Samples of a pixel of it, for a render of `planned`: one of 32 paths of the render, but 4 to 32.

@@ -18,8 +18,8 @@ struct View;
 // Use of earlier frames by coming ones: a camera in motion keeps what an integrator learned, a cut forgets it.
 enum class Past { forget, keep };
 
-// Pixels that a pass treats alike: a band of the film, or in an adaptive render those of one level within a band. A
-// second net counts as a pixel.
+// Pixels that a pass treats alike: a band of the film, or in an adaptive render those of one level within a band. An
+// error probe counts as a pixel.
 struct Segment {
   std::size_t band = 0;
   std::uint32_t first_place = 0, pixel_count = 0; // as gpu::Wave::first_pixel
@@ -33,7 +33,7 @@ struct Pilot {
   std::uint32_t seed = 0; // by exclusive or with the render's own
   std::uint32_t first_sample = 0;
   std::uint32_t width = 0, height = 0; // of a picture of its own, not larger than the render's; 0 = the render's
-  bool splits_replicates = false;      // even where those of the render are whole
+  bool splits_replicates = false;      // samples between two replicates of every pixel, even if the render has probes
   bool shares_paths = true;            // where pixels of the render do
 };
 

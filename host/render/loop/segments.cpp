@@ -53,7 +53,7 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
       if (count == 0) return;
       places.insert(places.end(), entries.begin(), entries.end());
       const bool goes_on = !segments.empty() && segments.back().level == level && band.pixel_count == pixels;
-      if (goes_on) // in a picture of one band: one segment holds both nets, as in all_segments()
+      if (goes_on) // in a picture of one band: one segment holds pixels and probes, as in all_segments()
         segments.back().pixel_count += count;
       else
         segments.push_back({i, first, count, level});

@@ -9,13 +9,13 @@
 
 namespace wavepath {
 
-// All pixels, without second nets.
+// All pixels, without error probes.
 std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
 
-// All nets of the film.
+// All pixels and error probes of the film.
 std::vector<Segment> all_segments(const FilmTarget& film);
 
-// Sorts the nets of each band by the level of their pixel's run. `places` becomes the list of places that segments
+// Sorts the entries of each band by the level of their pixel's run. `places` becomes the list of entries that segments
 // refer to.
 std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
                                     std::vector<std::uint32_t>& places);

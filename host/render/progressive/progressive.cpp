@@ -21,7 +21,7 @@ double pixels_of(const RenderPlan& settings) { return static_cast<double>(settin
 RenderPlan open_ended(RenderPlan settings) {
   settings.adaptive = kAdaptiveOff;
   settings.time_limit = settings.target_error = 0.0;
-  // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
+  // Coarse pictures are too small for error probes, and are rendered by the kernels of the fine ones.
   settings.kernels.has_probes = has_error_probes(settings);
   settings.kernels.mips = true; // for frames in motion
   return settings;

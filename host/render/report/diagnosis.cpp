@@ -14,8 +14,9 @@
 namespace wavepath {
 namespace {
 
-// Of the squared error that one sample may explain alone. Where nets are whole, one in a measured pixel counts for its
-// block, which the interval allows for: up to 0.1 on the Cornell box (320x240, 64 samples), from 0.2 on with fireflies.
+// The part of the squared error that one sample may explain alone. With error probes, a sample of a probed pixel counts
+// for its block, which the interval allows for: up to 0.1 on the Cornell box (320x240, 64 samples), from 0.2 on with
+// fireflies.
 constexpr double kLargestShare = 0.05, kLargestShareWithProbes = 0.15;
 constexpr std::uint32_t kFewestSamples = 8; // a pixel, below which much has not been seen yet
 constexpr double kFlat = -0.3;              // slope against spp; Monte Carlo's is -0.5

@@ -73,8 +73,8 @@ const char* error_method(const Film* film) {
   if (!film || !film->has_probes)
     return "spread of the means of 2 independently scrambled halves of the samples of every pixel";
   if (film->quads)
-    return "one whole net a pixel; spread of the means of two independently scrambled ones on one quad of each block";
-  return "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block";
+    return "error probes: spread of the means of 2 independently scrambled replicates of one quad of each block";
+  return "error probes: spread of the means of 2 independently scrambled replicates of one pixel of each block";
 }
 
 Json error_json(const Run& run) {

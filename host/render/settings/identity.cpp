@@ -58,8 +58,9 @@ std::optional<std::string> first_difference(const std::string& identity, const s
     if (record.key == "scene") return "the scene is another";
     if (record.key == "camera") return "the camera is another";
     if (record.key == "nets") // what else decides that was compared before
-      return fmt::format("its pixels have {} nets of samples, not {} ones (--aov variance and --denoise halve them)",
-                         record.value, other->value);
+      return fmt::format("it has {} (--aov variance and --denoise split samples between replicates)",
+                         record.value == "whole" ? "error probes, not samples split between two replicates"
+                                                 : "samples split between two replicates, not error probes");
     return fmt::format("{} is {}, not {}", record.key, record.value, other->value);
   }
   // Where pixels share nothing no record says so.

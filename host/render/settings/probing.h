@@ -1,14 +1,14 @@
-// Whether the pixels of a render keep their nets of samples whole.
+// Whether a render has error probes.
 #pragma once
 
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
-// False: halved nets, two to a pixel, whose difference measures the error of every pixel. True: whole nets, and a
-// second one on one pixel of each block (kernels/base/error_probes.h). That takes a picture large enough for an error
-// that is measured on so few, and an integrator whose samples of a pixel stand for themselves; the variance of every
-// single pixel is not known then.
+// False: samples of every pixel are split between two replicates, whose difference measures the error of the pixel.
+// True: all samples of a pixel are in one replicate, and one pixel of each block has a second one, an error probe
+// (kernels/base/error_probes.h). Probes need a picture that is large enough for an error measured on so few pixels, and
+// an integrator whose samples of a pixel stand for themselves. They do not tell the variance of every single pixel.
 bool has_error_probes(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -14,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-// Sums of one place: of halved nets those of a pixel.
+// Sums of one entry: both replicates of a pixel where samples are split between them.
 std::size_t replicates_each(const FilmShape& shape) { return shape.has_probes ? 1 : gpu::kReplicates; }
 
 std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
@@ -53,7 +53,7 @@ void to_rows(const T* values, std::uint32_t first, std::uint32_t count, std::siz
           [&](std::uint32_t i) { std::copy_n(&values[i * each], each, &rows[row_major(first + i, film) * each]); });
 }
 
-// Where those of a band's second nets lie, which need no sorting.
+// The rows of a band's probes, which need no sorting.
 template <class T>
 auto* probes_of(const FilmBand& band, const Film& film, T& rows) {
   return rows.data() + film.shape().pixels() + band.first_probe;
@@ -112,7 +112,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
     band.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels() - first));
     first += band.pixel_count;
     band.first_probe = first_probe;
-    const auto rows = static_cast<std::uint32_t>(first / shape.width); // up to its end, where nets are whole
+    const auto rows = static_cast<std::uint32_t>(first / shape.width); // up to its end, with error probes
     band.probe_count = shape.probes_above(rows) - first_probe;
     first_probe += band.probe_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());

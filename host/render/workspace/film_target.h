@@ -9,13 +9,13 @@
 
 namespace wavepath {
 
-// Consecutive pixels, in tile order, and their second nets, whose film fits into one buffer of the device: entries of
-// the pixels come first.
+// Consecutive pixels, in tile order, and their error probes, whose film fits into one buffer of the device, pixels
+// first.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  std::uint32_t first_probe = 0, probe_count = 0; // second nets, by block
-  std::uint32_t picture_pixels = 0;               // of all bands: the place of the first second net
-  Buffer film, aovs, splats;                      // may have room for more
+  std::uint32_t first_probe = 0, probe_count = 0; // by block
+  std::uint32_t picture_pixels = 0;               // of all bands: the entry of the first probe
+  Buffer film, aovs, splats;                      // may hold more
 
   std::uint32_t places() const { return pixel_count + probe_count; }
   // Where the sums of a place of the band lie in it.
@@ -36,7 +36,8 @@ public:
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
   Film download() const;
-  // A smaller picture, which a pilot put at the beginning of the first band. Its nets are halved, and it has no AOVs.
+  // A smaller picture, which a pilot put at the beginning of the first band. Its samples are split between two
+  // replicates, and it has no AOVs.
   Film download_small(const FilmShape& shape) const;
   void upload(const Film& film);
 

@@ -19,7 +19,7 @@ inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u
 
 inline constexpr std::uint32_t kFewestPilotSamples = 4; // of a pixel of it
 
-inline constexpr int kLowestLevelOfSplitReplicates = -1; // of a step's samples two are left, one for each net
+inline constexpr int kLowestLevelOfSplitReplicates = -1; // of a step's samples two are left, one for each replicate
 inline constexpr std::uint32_t kAdaptiveStep = 4;        // samples per pixel: what every level can share out
 inline constexpr std::uint32_t kHighestFactor = 1u << kHighestLevel;
 

@@ -15,7 +15,7 @@ namespace wavepath {
 // By the values of the kMaker... constants.
 inline constexpr std::array<std::string_view, gpu::kMakerCount> kMakerNames = {"generate", "shade", "connect"};
 
-// A pixel and which of its nets; 1 is the second net of a measured pixel (kernels/base/error_probes.h).
+// A pixel and which of its replicates; 1 is the second one of a probed pixel (kernels/base/error_probes.h).
 struct PixelReplicate {
   std::uint32_t pixel = 0; // in tile order
   std::uint32_t replicate = 0;

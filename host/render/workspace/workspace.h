@@ -32,7 +32,7 @@ public:
   // Adaptive renders: the places of the film (error_probes.h) in the order in which waves visit them. At first that is
   // their own.
   void set_places(std::vector<std::uint32_t> places);
-  // The place that waves visit after `index` others, and the pixel there and which of its nets.
+  // The entry that waves visit after `index` others, and its pixel and replicate.
   std::uint32_t place_at(std::uint32_t index) const;
   PixelReplicate pixel_at(std::uint32_t index) const;
 
