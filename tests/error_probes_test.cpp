@@ -436,7 +436,7 @@ public:
   bool is_ready() override { return inner_->is_ready(); }
   double get_ready() override { return inner_->get_ready(); }
   std::optional<Pilot> pilot() override { return inner_->pilot(); }
-  bool learn() override { return inner_->learn(); }
+  bool end_pilot() override { return inner_->end_pilot(); }
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return inner_->paths_per_pixel(samples); }
   std::uint32_t most_samples(std::uint32_t first) const override { return inner_->most_samples(first); }
   void begin_pass(WaveQueue& queue, std::uint32_t first) override { inner_->begin_pass(queue, first); }

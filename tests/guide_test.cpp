@@ -134,7 +134,7 @@ TEST(GuideMap, WhatIsDarkHasTheDensityItIsDrawnWith) {
   Histogram lamp;
   for (int i = 0; i < 4'000'000; ++i) lamp.add(map_cell({0.6f, 0.64f, 0.48f}), 1.0);
   GuideMap map = even_map();
-  for (int depth = 0; depth < 16; ++depth) map = learn_map(lamp, map);
+  for (int depth = 0; depth < 16; ++depth) map = train_map(lamp, map);
   const auto [least, most] = std::ranges::minmax_element(map);
   EXPECT_EQ(*least, 0.0f);
   EXPECT_TRUE(std::isfinite(*most));
@@ -157,7 +157,7 @@ TEST(GuideMap, RoundedWeightsStayNearWhatWasLearned) {
   Histogram histogram;
   for (int i = 0; i < 2000; ++i) histogram.add(map_cell(random.direction()), 0.01);
   for (int i = 0; i < 2000; ++i) histogram.add(map_cell({0.6f, 0.64f, 0.48f}), 1.0);
-  const GuideMap map = learn_map(histogram, even_map());
+  const GuideMap map = train_map(histogram, even_map());
   std::vector<glm::uvec4> texels(gpu::kGuideMapTexels);
   write_map(map, std::span(texels).first<gpu::kGuideMapTexels>());
   double whole = 0.0;
@@ -440,11 +440,11 @@ TEST_F(GuideTest, PilotDecides) {
 
 // A pilot whose paths scatter once, with a lamp above each iteration in a place of its own. `direct`: noise of what no
 // direction changes.
-class GuidePilotTest : public VulkanTest {
+class GuideTrainingTest : public VulkanTest {
 protected:
   GuideReport run(std::uint32_t iterations, float direct, GuideField& field) {
     constexpr std::uint32_t kSide = 64;
-    GuidePilot pilot(kSide, kSide, iterations);
+    GuideTraining pilot(kSide, kSide, iterations);
     std::vector<gpu::GuideRecord> records(std::size_t{kSide} * kSide * gpu::kGuideBounces);
     std::uint32_t iteration = 0;
     while (!pilot.is_done()) {
@@ -477,27 +477,27 @@ protected:
   Random random_;
 };
 
-TEST_F(GuidePilotTest, LearnsFromTheLastThreeIterations) {
+TEST_F(GuideTrainingTest, TrainsOnTheLastThreeIterations) {
   for (const std::uint32_t iterations : {kGuideIterations, kGuideIterations + 1}) {
     GuideField field;
     EXPECT_TRUE(run(iterations, 0.0f, field).used);
     for (std::uint32_t i = 0; i < iterations; ++i) {
-      const bool is_learned = i + 3 >= iterations;
-      EXPECT_EQ(density_towards(field, lamp_of(i)) > 0.5 * 0.25 / kPi, is_learned) << i << " of " << iterations;
+      const bool is_trained = i + 3 >= iterations;
+      EXPECT_EQ(density_towards(field, lamp_of(i)) > 0.5 * 0.25 / kPi, is_trained) << i << " of " << iterations;
     }
   }
 }
 
 // With noise that no direction changes guiding gains less than it costs, but not so little that it is seen at once.
-TEST_F(GuidePilotTest, IsNoLongerWhereGuidingDoesNotPay) {
+TEST_F(GuideTrainingTest, IsNoLongerWhereGuidingDoesNotPay) {
   GuideField field;
   const GuideReport four = run(kGuideIterations, 22.0f, field), five = run(kGuideIterations + 1, 22.0f, field);
   EXPECT_FALSE(four.used);
   EXPECT_GT(four.variance, 0.75);
   EXPECT_LT(four.variance, 0.85);
-  EXPECT_GT(four.pilot_paths, 1u << 18) << "four iterations";
-  EXPECT_EQ(five.pilot_paths, four.pilot_paths);
-  EXPECT_GT(run(kGuideIterations + 1, 0.0f, field).pilot_paths, four.pilot_paths);
+  EXPECT_GT(four.training_paths, 1u << 18) << "four iterations";
+  EXPECT_EQ(five.training_paths, four.training_paths);
+  EXPECT_GT(run(kGuideIterations + 1, 0.0f, field).training_paths, four.training_paths);
 }
 
 TEST(GuideIterations, AreMoreInLongRenders) {
@@ -551,7 +551,7 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
 }
 
 // A render that was to be long when it began has learned for longer, and keeps to that; parts have not.
-TEST_F(GuideTest, ResumedRendersKeepTheirPilot) {
+TEST_F(GuideTest, ResumedRendersKeepTheirTraining) {
   const std::string state = (folder_.path() / "state").string();
   const auto render_on = [&](std::vector<std::string> flags) {
     std::vector<std::string> all{
@@ -564,12 +564,12 @@ TEST_F(GuideTest, ResumedRendersKeepTheirPilot) {
     options.folder = folder_.path().string();
     return run_program(all, options);
   };
-  const auto pilot_paths = [&] {
+  const auto training_paths = [&] {
     return nlohmann::json::parse(std::ifstream(folder_.path() / "stats.json"))["guide"]["pilot_paths"]
         .get<std::uint64_t>();
   };
   ASSERT_EQ(render_on({"--spp", "2"}).exit_code, 0);
-  const std::uint64_t of_short = pilot_paths();
+  const std::uint64_t of_short = training_paths();
   StateRecord record = read_state(state);
   const std::string short_training = R"("guide-iterations","taken":"4")";
   const std::size_t at = record.plan.find(short_training);
@@ -580,7 +580,7 @@ TEST_F(GuideTest, ResumedRendersKeepTheirPilot) {
   EXPECT_EQ(part.exit_code, 1);
   EXPECT_NE(part.err.find("cannot be merged"), std::string::npos) << part.err;
   ASSERT_EQ(render_on({"--spp", "3", "--resume"}).exit_code, 0);
-  EXPECT_GT(pilot_paths(), of_short + (7u << 16)) << "an iteration of 2^19 paths more";
+  EXPECT_GT(training_paths(), of_short + (7u << 16)) << "an iteration of 2^19 paths more";
   EXPECT_NE(read_state(state).plan.find(R"("guide-iterations","taken":"5")"), std::string::npos);
 }
 

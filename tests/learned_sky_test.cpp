@@ -99,8 +99,8 @@ TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject room = seen(room_with_sky(true), whole);
   const RenderResult expected = render(room, whole);
-  EXPECT_GT(expected.light_pilot.sky_rows, 20u);
-  EXPECT_EQ(expected.light_pilot.rows, 0u);
+  EXPECT_GT(expected.light_training.sky_rows, 20u);
+  EXPECT_EQ(expected.light_training.rows, 0u);
   expect_same_film_however_cut(room, whole, *expected.film);
   expect_same_film_resumed(room, whole, *expected.film);
 }
@@ -113,7 +113,7 @@ TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
   const RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
   const Subject room = seen(scene, asked);
   const RenderResult fresh = render(room, asked);
-  ASSERT_GT(fresh.light_pilot.sky_rows, 20u);
+  ASSERT_GT(fresh.light_training.sky_rows, 20u);
   ViewRequest within;
   within.eye = glm::dvec3(0.3, 0.1, 1.5);
   within.look_at = glm::dvec3(0.0, -0.2, -1.0);
@@ -125,7 +125,7 @@ TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
   while (loop.step()) {
   }
   const RenderResult again = loop.finish();
-  EXPECT_EQ(again.light_pilot.sky_rows, fresh.light_pilot.sky_rows);
+  EXPECT_EQ(again.light_training.sky_rows, fresh.light_training.sky_rows);
   EXPECT_TRUE(*again.film == *fresh.film);
 }
 
@@ -134,23 +134,23 @@ TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
-  EXPECT_GT(expected.light_pilot.rows, 20u);
-  EXPECT_GT(expected.light_pilot.sky_rows, 20u);
+  EXPECT_GT(expected.light_training.rows, 20u);
+  EXPECT_GT(expected.light_training.sky_rows, 20u);
   expect_same_film_however_cut(rooms, whole, *expected.film);
 }
 
 // As small pictures beside a render do, and the path of `--pixel`.
-TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
+TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsTraining) {
   RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
   const Subject room = seen(room_with_sky(false), asked);
   SceneOnDevice shared;
   const RenderResult expected = render(room, asked, {}, &shared);
-  ASSERT_GT(expected.light_pilot.paths, 0u);
+  ASSERT_GT(expected.light_training.paths, 0u);
   ASSERT_TRUE(shared.light_shares);
   asked.training.found = shared.light_shares;
-  const RenderResult taught = render(room, asked, {}, &shared);
-  EXPECT_EQ(taught.light_pilot.paths, 0u);
-  EXPECT_TRUE(*taught.film == *expected.film) << "the same shares, hence the same bits";
+  const RenderResult trained = render(room, asked, {}, &shared);
+  EXPECT_EQ(trained.light_training.paths, 0u);
+  EXPECT_TRUE(*trained.film == *expected.film) << "the same shares, hence the same bits";
 
   RenderPlan one = asked; // the box filter keeps a sample in its pixel
   one.last_sample = 1;
@@ -165,20 +165,20 @@ TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
 }
 
 // The small pictures of `bias` are rendered by another integrator as well.
-TEST_F(LearnedSky, TakersTakeTheirPartOfALesson) {
+TEST_F(LearnedSky, RendersTakeOverThePartOfTrainingThatTheyUse) {
   RenderPlan path = settings(gpu::kLightsAuto, gpu::kDirectMis, 4), both = path;
   both.integrator = &kBidirectional; // knows lights alone
   const Subject rooms = subject(two_rooms(40, true), path);
-  const LightShares whole = render(rooms, path).light_pilot.shares;
+  const LightShares whole = render(rooms, path).light_training.shares;
   ASSERT_TRUE(whole.lights && whole.sky);
   both.training.found = whole;
-  const RenderResult taught = render(rooms, both);
-  EXPECT_EQ(taught.light_pilot.paths, 0u);
+  const RenderResult trained = render(rooms, both);
+  EXPECT_EQ(trained.light_training.paths, 0u);
   both.training.found.sky = nullptr;
-  EXPECT_TRUE(*render(rooms, both).film == *taught.film);
+  EXPECT_TRUE(*render(rooms, both).film == *trained.film);
   const RenderResult alone = render(rooms, path);
   path.training.found.lights = whole.lights; // no sky: it learns anew
-  EXPECT_GT(render(rooms, path).light_pilot.sky_rows, 20u);
+  EXPECT_GT(render(rooms, path).light_training.sky_rows, 20u);
   EXPECT_TRUE(*render(rooms, path).film == *alone.film);
 }
 
@@ -187,7 +187,7 @@ TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
   constant.environment.map.clear();
   constant.environment.width = constant.environment.height = 0;
   const RenderPlan automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
-  EXPECT_EQ(render(seen(constant, automatic), automatic).light_pilot.paths, 0u);
+  EXPECT_EQ(render(seen(constant, automatic), automatic).light_training.paths, 0u);
   const auto is_asked = [&](std::uint32_t lights, std::uint32_t direct, const IntegratorKind& integrator) {
     RenderPlan asked = settings(lights, direct);
     asked.integrator = &integrator;
@@ -203,13 +203,13 @@ TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
   EXPECT_FALSE(is_asked(gpu::kLightsAuto, gpu::kDirectMis, kBidirectional));
 }
 
-TEST(LightPilot, IsLongerWhereTheRenderIs) {
+TEST(LightTraining, IsLongerWhereTheRenderIs) {
   RenderPlan settings;
   settings.width = 256, settings.height = 192;
   const double pixels = 256.0 * 192.0;
   const auto samples = [&](std::uint32_t spp) { // of a pixel
     settings.last_sample = spp;
-    return static_cast<double>(light_pilot_paths(settings, true)) / pixels;
+    return static_cast<double>(light_training_paths(settings, true)) / pixels;
   };
   EXPECT_LT(samples(1), 0.25);
   EXPECT_GT(samples(64), 2.0);
@@ -225,7 +225,8 @@ TEST(LightPilot, IsLongerWhereTheRenderIs) {
   settings.time_limit = 0.0, settings.width = settings.height = 16384;
   EXPECT_LE(samples(65536) * pixels, 0x1p24) << "counts of picks have 32 bits";
   settings.time_limit = 1.0;
-  EXPECT_GT(light_pilot_paths(settings, false), 20 * light_pilot_paths(settings, true)) << "a GPU renders more in it";
+  EXPECT_GT(light_training_paths(settings, false), 20 * light_training_paths(settings, true))
+      << "a GPU renders more in it";
 }
 
 // More samples of each pixel, or a smaller picture.
@@ -235,16 +236,16 @@ TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
   const Subject room = seen(room_with_sky(false), asked);
   for (const std::uint64_t paths : {700u, 5999u, 6000u, 6001u, 30'000u, 100'000u}) {
     asked.training.paths = paths;
-    EXPECT_NEAR(static_cast<double>(render(room, asked).light_pilot.paths), paths, 0.05 * paths);
+    EXPECT_NEAR(static_cast<double>(render(room, asked).light_training.paths), paths, 0.05 * paths);
   }
   asked.training.paths = 1;
-  EXPECT_LE(render(room, asked).light_pilot.paths, 3u) << "sides have a pixel at least";
+  EXPECT_LE(render(room, asked).light_training.paths, 3u) << "sides have a pixel at least";
   asked.training.paths = 0;
-  EXPECT_EQ(render(room, asked).light_pilot.paths, 10u * 6000u) << "of parts: as many samples as 65,536 paths hold";
+  EXPECT_EQ(render(room, asked).light_training.paths, 10u * 6000u) << "of parts: as many samples as 65,536 paths hold";
 }
 
 // Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.
-TEST(LearnedSkyRows, LearnFromCellsAround) {
+TEST(LearnedSkyRows, AreTrainedByCellsAround) {
   std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
   const auto add = [&](std::uint32_t row, std::uint32_t wider, std::uint32_t widest, std::uint32_t part,
                        std::uint32_t picks) {
@@ -257,13 +258,13 @@ TEST(LearnedSkyRows, LearnFromCellsAround) {
   add(6, 100, 200, 2, 1 << 24); // teaches what lies in cell 100
   add(7, 101, 200, 3, 1);       // only the widest cell is the same
   add(8, 102, 201, 4, 1);
-  const SkyLesson lesson = learn_sky_rows(sums);
-  EXPECT_EQ(lesson.rows, 4u);
+  const TrainedSky trained = train_sky_rows(sums);
+  EXPECT_EQ(trained.rows, 4u);
   const auto band = [&](std::uint32_t row) { // the first one's share: parts 0 to 7
-    return lesson.ends[std::size_t{row} * gpu::kSkyRowWords] / 0x1p32;
+    return trained.ends[std::size_t{row} * gpu::kSkyRowWords] / 0x1p32;
   };
   const auto part = [&](std::uint32_t row, std::uint32_t p) {
-    const std::uint32_t* ends = &lesson.ends[std::size_t{row} * gpu::kSkyRowWords + gpu::kSkySide];
+    const std::uint32_t* ends = &trained.ends[std::size_t{row} * gpu::kSkyRowWords + gpu::kSkySide];
     return band(row) * (ends[p] - double(ends[p - 1])) / 0x1p32;
   };
   EXPECT_NEAR(part(6, 2), 0.75 + 0.25 / 64, 0.01);
@@ -273,7 +274,7 @@ TEST(LearnedSkyRows, LearnFromCellsAround) {
   EXPECT_GT(part(8, 4), 1.0 / 64);
 }
 
-TEST(LearnedSkyRows, LearnFromSums) {
+TEST(LearnedSkyRows, AreTrainedBySums) {
   std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
   constexpr std::uint32_t kRow = 7, kAround = 9;
   const auto word = [&](std::uint32_t row, std::uint32_t column, std::uint32_t i) -> std::uint32_t& {
@@ -284,10 +285,10 @@ TEST(LearnedSkyRows, LearnFromSums) {
   word(kRow, 63, 0) = 600, word(kRow, 63, 2) = 600;
   word(kRow, gpu::kSkyParts, 0) = 100000000; // picks: many enough to count alone
   word(kRow, gpu::kSkyParts, 1) = kAround + 1;
-  const SkyLesson lesson = learn_sky_rows(sums);
-  EXPECT_EQ(lesson.rows, 1u);
+  const TrainedSky trained = train_sky_rows(sums);
+  EXPECT_EQ(trained.rows, 1u);
   const auto share = [&](std::uint32_t row, std::uint32_t part) {
-    const std::uint32_t* ends = &lesson.ends[std::size_t{row} * gpu::kSkyRowWords];
+    const std::uint32_t* ends = &trained.ends[std::size_t{row} * gpu::kSkyRowWords];
     const auto width = [](const std::uint32_t* e, std::uint32_t i) {
       return (e[i] - (i > 0 ? double(e[i - 1]) : 0.0)) / 0x1p32;
     };

@@ -166,9 +166,9 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
     const Subject shown = subject(scene, whole);
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
-    RenderPlan taught = whole;
-    taught.training.found = rendered.light_pilot.shares;
-    PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
+    RenderPlan trained = whole;
+    trained.training.found = rendered.light_training.shares;
+    PathReplay replay(device(), shown.packed, shown.view, trained, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
       const PathTrace trace = replay.trace(pixel, 0);
@@ -184,10 +184,10 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
 
 // ---- a sky of one colour --------------------------------------------------------------------------------------------
 
-RenderPlan with_sky_samples(RenderPlan settings, std::uint32_t sky_samples, bool learns = true) {
+RenderPlan with_sky_samples(RenderPlan settings, std::uint32_t sky_samples, bool trains = true) {
   settings.sky_samples = sky_samples;
-  settings.training.one_colour = learns;
-  if (learns) settings.lights = gpu::kLightsAuto;
+  settings.training.one_colour = trains;
+  if (trains) settings.lights = gpu::kLightsAuto;
   return settings;
 }
 
@@ -209,9 +209,9 @@ TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const RenderPlan one = with_sky_samples(asked(1, gpu::kDirectMis, 128), 1, false);
     const MeanPicture reference = average(subject(scenes[i], one), one);
-    for (const auto& [more, learns] : {std::pair{2u, false}, {8u, false}, {8u, true}}) {
-      SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more) + (learns ? " learned" : ""));
-      const RenderPlan other = with_sky_samples(asked(1), more, learns);
+    for (const auto& [more, trains] : {std::pair{2u, false}, {8u, false}, {8u, true}}) {
+      SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more) + (trains ? " learned" : ""));
+      const RenderPlan other = with_sky_samples(asked(1), more, trains);
       expect_same(reference, average(subject(scenes[i], other), other));
     }
     // The density that a path keeps is divided among several light samples.
@@ -225,8 +225,8 @@ TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
 }
 
 TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
-  const auto noise = [&](std::uint32_t sky_samples, bool learns) {
-    const RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples, learns);
+  const auto noise = [&](std::uint32_t sky_samples, bool trains) {
+    const RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples, trains);
     double sum = 0.0;
     for (const double v : average(subject(rooms_under_a_sky(0), settings), settings).variance) sum += v;
     return sum;
@@ -239,20 +239,20 @@ TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
 // Without lessons directions are those of paths, and nothing is learned for one that paths find anyway.
 TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   const Subject rooms = subject(rooms_under_a_sky(0), with_sky_samples(asked(1), 4));
-  const auto rendered = [&](std::uint32_t sky_samples, bool learns, std::uint32_t lights) {
-    RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 4), sky_samples, learns);
+  const auto rendered = [&](std::uint32_t sky_samples, bool trains, std::uint32_t lights) {
+    RenderPlan settings = with_sky_samples(asked(1, gpu::kDirectMis, 4), sky_samples, trains);
     settings.lights = lights;
     return render(rooms, settings);
   };
   const RenderResult unlearned = rendered(4, false, gpu::kLightsAuto), learned = rendered(4, true, gpu::kLightsAuto);
-  EXPECT_GT(learned.light_pilot.sky_rows, 0u);
-  EXPECT_EQ(unlearned.light_pilot.paths, 0u);
+  EXPECT_GT(learned.light_training.sky_rows, 0u);
+  EXPECT_EQ(unlearned.light_training.paths, 0u);
   EXPECT_FALSE(*learned.film == *unlearned.film);
   EXPECT_TRUE(*rendered(4, true, gpu::kLightsPower).film == *unlearned.film);
-  EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
+  EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_training.paths, 0u);
   RenderPlan brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
   brief.training.paths = 1000;
-  EXPECT_GT(render(rooms, brief).light_pilot.sky_rows, 0u) << "renders of any length learn";
+  EXPECT_GT(render(rooms, brief).light_training.sky_rows, 0u) << "renders of any length learn";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
@@ -270,9 +270,9 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
     const Subject shown = subject(rooms_under_a_sky(lamps), whole);
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
-    RenderPlan taught = whole;
-    taught.training.found = rendered.light_pilot.shares;
-    PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
+    RenderPlan trained = whole;
+    trained.training.found = rendered.light_training.shares;
+    PathReplay replay(device(), shown.packed, shown.view, trained, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
       const PathTrace trace = replay.trace(pixel, 0);
@@ -320,14 +320,14 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   open.environment.radiance = glm::vec3(1.0f);
   const SkyChoice room = choose(rooms_under_a_sky(0), 4096), floor = choose(open, 4096);
   EXPECT_EQ(room.samples, 7u);
-  EXPECT_TRUE(room.learns);
+  EXPECT_TRUE(room.trains);
   EXPECT_LT(room.cost, 0.9);
   EXPECT_EQ(floor.samples, 1u);
-  EXPECT_FALSE(floor.learns);
+  EXPECT_FALSE(floor.trains);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
   const SkyChoice brief = choose(rooms_under_a_sky(0), 256);
   EXPECT_EQ(brief.samples, 7u) << "a second";
-  EXPECT_TRUE(brief.learns);
+  EXPECT_TRUE(brief.trains);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 240).samples, 0u) << "too short for pilots";
 }
 

@@ -83,9 +83,9 @@ TEST_F(LightSelection, LessNoiseThanByPower) {
     return sum;
   };
   const double by_power = noise(kPath, gpu::kLightsPower), by_tree = noise(kPath, gpu::kLightsTree),
-               by_lesson = noise(kPath, gpu::kLightsAuto);
+               by_training = noise(kPath, gpu::kLightsAuto);
   EXPECT_LT(by_tree, 0.7 * by_power);
-  EXPECT_LT(by_lesson, 0.8 * by_tree);
+  EXPECT_LT(by_training, 0.8 * by_tree);
   // Light paths, which begin by power, find the lamps as well; the tree alone gains nothing here.
   EXPECT_LT(noise(kBidirectional, gpu::kLightsAuto), 0.8 * noise(kBidirectional, gpu::kLightsPower));
 }
@@ -106,8 +106,8 @@ TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
   const Coverage found = measure_coverage(render(rooms, fine).picture, kRuns, [&](std::uint32_t seed) {
     coarse.seed = seed;
     RenderResult result = render(rooms, coarse);
-    EXPECT_GT(result.light_pilot.rows, 20u);
-    EXPECT_GT(result.light_pilot.sky_rows, 20u);
+    EXPECT_GT(result.light_training.rows, 20u);
+    EXPECT_GT(result.light_training.sky_rows, 20u);
     return result;
   });
   EXPECT_GE(found.covered, 13u);
@@ -119,13 +119,13 @@ TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
-  EXPECT_GT(expected.light_pilot.rows, 20u);
+  EXPECT_GT(expected.light_training.rows, 20u);
   expect_same_film_however_cut(rooms, whole, *expected.film);
   expect_same_film_resumed(rooms, whole, *expected.film);
 }
 
 // As small pictures beside a render do.
-TEST_F(LightSelection, PicturesBesideARenderTakeOverItsLesson) {
+TEST_F(LightSelection, PicturesBesideARenderTakeOverItsTraining) {
   for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
     SCOPED_TRACE(integrator->name);
     RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
@@ -133,12 +133,12 @@ TEST_F(LightSelection, PicturesBesideARenderTakeOverItsLesson) {
     const Subject rooms = subject(two_rooms(40, true), asked);
     SceneOnDevice shared;
     const RenderResult expected = render(rooms, asked, {}, &shared);
-    ASSERT_GT(expected.light_pilot.paths, 0u);
+    ASSERT_GT(expected.light_training.paths, 0u);
     ASSERT_TRUE(shared.light_shares);
     asked.training.found = shared.light_shares;
-    const RenderResult taught = render(rooms, asked, {}, &shared);
-    EXPECT_EQ(taught.light_pilot.paths, 0u);
-    EXPECT_TRUE(*taught.film == *expected.film) << "the same shares, hence the same bits";
+    const RenderResult trained = render(rooms, asked, {}, &shared);
+    EXPECT_EQ(trained.light_training.paths, 0u);
+    EXPECT_TRUE(*trained.film == *expected.film) << "the same shares, hence the same bits";
   }
 }
 
@@ -155,7 +155,7 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
   ASSERT_NE(entry, packed.left_out.end());
   const Subject cornell{packed, resolve_view(scene, {}, automatic.width, automatic.height)};
   const RenderResult result = render(cornell, automatic);
-  EXPECT_EQ(result.light_pilot.rows, 0u);
+  EXPECT_EQ(result.light_training.rows, 0u);
   EXPECT_TRUE(*result.film == *render(cornell, power).film);
   RenderPlan generic = automatic;
   generic.specialize = false;
@@ -191,7 +191,7 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
   EXPECT_FALSE(many_places.light_tree.empty());
 }
 
-TEST_F(LightSelection, LearnsSharesFromSums) {
+TEST_F(LightSelection, TrainsSharesBySums) {
   const RenderPlan learned = settings(gpu::kLightsLearned, gpu::kDirectMis);
   const PackedScene packed = subject(two_rooms(40, true), learned).packed;
   std::vector<std::uint32_t> sums(kLightSumBytes / sizeof(std::uint32_t), 0);
@@ -204,20 +204,20 @@ TEST_F(LightSelection, LearnsSharesFromSums) {
   word(kRow, 6, 1) = 1, word(kRow, 6, 3) = 1;     // beyond 32 bits
   word(kRow, gpu::kTreeColumn, 0) = 1000000;      // picks: many enough to count alone
   word(kRow, gpu::kTreeColumn, 1) = kAround + 1;
-  const LightLesson lesson = learn_light_rows(packed, sums);
-  const std::vector<std::uint32_t> before = unlearned_light_rows(packed);
-  EXPECT_EQ(lesson.rows, 1u);
+  const TrainedLights trained = train_light_rows(packed, sums);
+  const std::vector<std::uint32_t> before = prior_light_rows(packed);
+  EXPECT_EQ(trained.rows, 1u);
   const auto share = [](const std::vector<std::uint32_t>& ends, std::uint32_t row, std::uint32_t column) {
     const std::size_t i = row * gpu::kLightColumns + column;
     return (ends[i] - (column > 0 ? double(ends[i - 1]) : 0.0)) / 0x1p32;
   };
-  EXPECT_NEAR(share(lesson.ends, kRow, 6) / share(lesson.ends, kRow, 2), 0x1p32 / 200.0, 0.01 * 0x1p32 / 200.0);
-  EXPECT_EQ(share(lesson.ends, kRow, 5), 0.0);
-  EXPECT_NEAR(share(lesson.ends, kRow, 6), 0.9, 0.001);
-  EXPECT_NEAR(share(lesson.ends, kRow, gpu::kTreeColumn), 0.1 * share(before, 0, gpu::kTreeColumn), 0.001);
-  EXPECT_GT(share(lesson.ends, kRow, gpu::kEnvironmentColumn), 0.0);
+  EXPECT_NEAR(share(trained.ends, kRow, 6) / share(trained.ends, kRow, 2), 0x1p32 / 200.0, 0.01 * 0x1p32 / 200.0);
+  EXPECT_EQ(share(trained.ends, kRow, 5), 0.0);
+  EXPECT_NEAR(share(trained.ends, kRow, 6), 0.9, 0.001);
+  EXPECT_NEAR(share(trained.ends, kRow, gpu::kTreeColumn), 0.1 * share(before, 0, gpu::kTreeColumn), 0.001);
+  EXPECT_GT(share(trained.ends, kRow, gpu::kEnvironmentColumn), 0.0);
   for (std::uint32_t column = 0; column < gpu::kLightColumns; ++column)
-    EXPECT_NEAR(share(lesson.ends, 0, column), share(before, 0, column), 1e-8) << column; // nothing learned
+    EXPECT_NEAR(share(trained.ends, 0, column), share(before, 0, column), 1e-8) << column; // nothing learned
 }
 
 } // namespace

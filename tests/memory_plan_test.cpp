@@ -51,9 +51,9 @@ TEST(MemoryPlan, ListsWhatTheSceneAndTheSettingsUse) {
   EXPECT_EQ(once(path, plain, kLamps, "guiding field"), 0u);
   EXPECT_GT(once(guided, plain, kLamps, "guiding field"), 0u);
   EXPECT_EQ(once(path, plain, kLamps, "learned lights") + once(path, plain, kLamps, "learned sky"), 0u);
-  EXPECT_EQ(once(path, rich, kLamps, "learned lights"), kPath.light_lesson_bytes);
-  EXPECT_EQ(once(path, rich, kLamps, "learned sky"), kPath.sky_lesson_bytes);
-  EXPECT_EQ(once(both, rich, kLamps, "learned lights"), kBidirectional.light_lesson_bytes);
+  EXPECT_EQ(once(path, rich, kLamps, "learned lights"), kPath.light_training_bytes);
+  EXPECT_EQ(once(path, rich, kLamps, "learned sky"), kPath.sky_training_bytes);
+  EXPECT_EQ(once(both, rich, kLamps, "learned lights"), kBidirectional.light_training_bytes);
   EXPECT_EQ(once(both, rich, kLamps, "learned sky"), 0u);
   EXPECT_EQ(once(path, rich, kLamps, "film of splats"), 0u);
   EXPECT_EQ(once(both, rich, kLamps, "film of splats"), gpu::kReplicates * 256 * 192 * sizeof(gpu::SplatPixel));

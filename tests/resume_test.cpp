@@ -332,27 +332,27 @@ TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
 }
 
 // What lights are chosen by is learned for as long as the render was to be when it began.
-TEST_F(Resume, KeepsThePilotOfLights) {
-  const auto pilot_paths = [&](std::vector<std::string> flags) {
+TEST_F(Resume, KeepsTheTrainingOfLights) {
+  const auto training_paths = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--env", "studio", "--stats", path("stats.json")});
     const Outcome outcome = render("part.exr", flags);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return nlohmann::json::parse(std::ifstream(path("stats.json")))["light_selection"]["sky"]["pilot_paths"]
         .get<std::uint64_t>();
   };
-  const std::uint64_t of_short = pilot_paths({"--spp", "12", "--checkpoint", "state"});
+  const std::uint64_t of_short = training_paths({"--spp", "12", "--checkpoint", "state"});
   std::filesystem::copy_file(path("state"), path("state2"));
-  EXPECT_EQ(pilot_paths({"--checkpoint", "state", "--resume"}), of_short);
+  EXPECT_EQ(training_paths({"--checkpoint", "state", "--resume"}), of_short);
   std::filesystem::rename(path("part.exr"), path("at_once.exr"));
-  EXPECT_EQ(pilot_paths({"--spp", "25", "--checkpoint", "state2", "--resume"}), of_short);
-  EXPECT_EQ(pilot_paths({"--checkpoint", "state2", "--resume"}), of_short);
+  EXPECT_EQ(training_paths({"--spp", "25", "--checkpoint", "state2", "--resume"}), of_short);
+  EXPECT_EQ(training_paths({"--checkpoint", "state2", "--resume"}), of_short);
   expect_same_bits("part.exr", "at_once.exr");
-  EXPECT_GT(pilot_paths({}), of_short);
-  const std::uint64_t timed = pilot_paths({"--time", "0.0002", "--checkpoint", "timed"}); // 20,000 paths of a GPU
+  EXPECT_GT(training_paths({}), of_short);
+  const std::uint64_t timed = training_paths({"--time", "0.0002", "--checkpoint", "timed"}); // 20,000 paths of a GPU
   EXPECT_LT(timed, of_short);
-  EXPECT_EQ(pilot_paths({"--checkpoint", "timed", "--resume"}), timed);
-  EXPECT_EQ(pilot_paths({"--mergeable"}), 65536 / (64 * 48) * 64 * 48);
-  EXPECT_EQ(pilot_paths({"--spp", "960", "--samples", "12:13"}), pilot_paths({"--mergeable"}));
+  EXPECT_EQ(training_paths({"--checkpoint", "timed", "--resume"}), timed);
+  EXPECT_EQ(training_paths({"--mergeable"}), 65536 / (64 * 48) * 64 * 48);
+  EXPECT_EQ(training_paths({"--spp", "960", "--samples", "12:13"}), training_paths({"--mergeable"}));
 
   const Outcome merged = render("part.exr", {"--env", "studio", "--checkpoint", "state", "--resume", "--mergeable"});
   EXPECT_EQ(merged.exit_code, 1);
@@ -360,7 +360,7 @@ TEST_F(Resume, KeepsThePilotOfLights) {
 }
 
 // A path is traced with what the pilot of its render has learned, also of one that was resumed.
-TEST_F(Resume, ReplaysPathsOfRendersThatLearned) {
+TEST_F(Resume, ReplaysPathsOfRendersThatTrained) {
   const auto with = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--env", "studio", "--filter", "box", "--integrator", "path"});
     return flags;
@@ -389,7 +389,7 @@ TEST_F(Resume, ReplaysPathsOfRendersThatLearned) {
 }
 
 // Parts learn alike, whatever their length.
-TEST_F(Resume, PartsThatLearnOfLightsJoinToTheWhole) {
+TEST_F(Resume, PartsThatTrainLightsJoinToTheWhole) {
   const std::vector<std::string> studio{"--env", "studio"};
   const auto with = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), studio.begin(), studio.end());

@@ -35,7 +35,7 @@ auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const 
 }
 
 // What the pilot of a render learns of lights. One sample of the picture is rendered besides.
-LightShares learn_light_shares(Prepared& prepared) {
+LightShares train_light_shares(Prepared& prepared) {
   const RenderPlan& settings = prepared.plan.settings;
   if (!trains_light_selection(prepared.packed, settings)) return {};
   RenderPlan one = settings;
@@ -44,7 +44,7 @@ LightShares learn_light_shares(Prepared& prepared) {
   one.adaptive = kAdaptiveOff;
   const auto rendered = render(*prepared.device, prepared.packed, prepared.view, one, RenderHooks{}, *prepared.kernels,
                                &prepared.on_device);
-  return rendered.light_pilot.shares;
+  return rendered.light_training.shares;
 }
 
 TrueError unknown_error() {
@@ -128,7 +128,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
   RenderPlan settings = prepared.plan.settings;
   Device& device = *prepared.device;
-  settings.training.found = learn_light_shares(prepared);
+  settings.training.found = train_light_shares(prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
   const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.replicate);
   device.pipeline_cache().save();

@@ -79,7 +79,7 @@ struct Tried {
 
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
-double learning_share(const RenderPlan& settings, const RenderResult& trial, const Round& round) {
+double training_share(const RenderPlan& settings, const RenderResult& trial, const Round& round) {
   const bool longer = trial.guide && trial.guide->used;
   const double length = longer ? std::exp2(static_cast<double>(kGuideIterations - round.guide_iterations)) : 1.0;
   return length * paths_of(pilot_of(settings, round)) / paths_of(settings);
@@ -228,7 +228,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
     if (!tried.empty()) small.training.found = pilots.shared().light_shares; // that the first trained, as they would
     PilotRender pilot = pilots.run(small);
     Tried one{candidate, std::move(pilot.result), pilot.light, pilot.steady_work, pilot.training_work};
-    one.work = one.steady + one.learned * learning_share(candidate, one.result, round);
+    one.work = one.steady + one.learned * training_share(candidate, one.result, round);
     choice.fraction += paths_of(small) / expected_paths(settings, cpu);
     return one;
   };

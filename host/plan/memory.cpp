@@ -40,16 +40,16 @@ MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::
   FilmShape without_splats = shape;
   without_splats.splats = false;
   const std::uint64_t film = without_splats.bytes();
-  const bool learns_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
+  const bool trains_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
   const bool has_parts = scene.environment_bytes > 0 || most_sky_samples_of(settings, features) > 1;
-  const bool learns_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  const bool trains_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   std::vector<MemoryItem> items = {
       {"film", film, MemoryPlace::both},
       {"film of splats", shape.bytes() - film, MemoryPlace::both},
       {"order of samples", is_adaptive(settings) ? shape.places() * sizeof(std::uint32_t) : 0, MemoryPlace::both},
       {"frames", pixels * kind.bytes_per_pixel(settings)},
-      {"learned lights", learns_lights ? kind.light_lesson_bytes : 0},
-      {"learned sky", learns_sky ? kind.sky_lesson_bytes : 0},
+      {"learned lights", trains_lights ? kind.light_training_bytes : 0},
+      {"learned sky", trains_sky ? kind.sky_training_bytes : 0},
       {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryPlace::host},
       {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryPlace::host}};
   if (kind.items)

@@ -145,7 +145,7 @@ void foresee(RenderPlan& settings, Policy policy, bool stands_alone) {
 Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
   Plan plan{.settings = request.settings};
   RenderPlan& settings = plan.settings;
-  if (request.stands_alone && request.policy != Policy::as_told) set_pilot_lengths(settings, cpu);
+  if (request.stands_alone && request.policy != Policy::as_told) set_training_lengths(settings, cpu);
   if (request.recorded) apply(*request.recorded, settings);
   if (request.training_paths) settings.training.paths = *request.training_paths;
   if (request.guide_iterations) settings.training.guide_iterations = *request.guide_iterations;
@@ -178,8 +178,8 @@ void add_outcomes(std::vector<Decision>& decisions, const RenderResult& result) 
       decision.cost = decision.lo = decision.hi = noise.cost;
       decision.pilot = {noise.width, noise.height, noise.samples};
     }
-    if (decision.what == "lights" && result.light_pilot.paths > 0) {
-      const LightPilot& training = result.light_pilot;
+    if (decision.what == "lights" && result.light_training.paths > 0) {
+      const LightTraining& training = result.light_training;
       decision.why += fmt::format("; {} cells of lights, {} of the sky", training.rows, training.sky_rows);
       decision.seconds = training.seconds;
     }

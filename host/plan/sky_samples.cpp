@@ -63,8 +63,8 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kSkyPilot.worthwhile)) choice.samples = n, choice.cost = cost;
   }
-  choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
-  if (choice.learns) choice.samples = learned_sky_samples(settings, features);
+  choice.trains = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  if (choice.trains) choice.samples = learned_sky_samples(settings, features);
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);
   choice.render_seconds = pilots.render_seconds() - rendered_before;
@@ -90,7 +90,7 @@ Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
     decision.why = "pilots: more cost a given error more work";
   else
     decision.why = fmt::format("pilots: a given error costs {:.2g}x the work of one sky sample{}", choice.cost,
-                               choice.learns ? "; directions are learned, which costs less" : "");
+                               choice.trains ? "; directions are learned, which costs less" : "");
   return decision;
 }
 

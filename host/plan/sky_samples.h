@@ -8,7 +8,7 @@ namespace wavepath {
 
 struct SkyChoice {
   std::uint32_t samples = 0; // 0: nothing was tried, because the render is short or no sky can be shared
-  bool learns = false;       // where the sky is seen, by a pilot of the render (learned_sky.glsl)
+  bool trains = false;       // where the sky is seen, by a pilot of the render (learned_sky.glsl)
   // Squared error times work that is expected of the best number of directions drawn like the path's, over that of one.
   double cost = 1.0;
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included

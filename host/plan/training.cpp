@@ -28,7 +28,7 @@ double reliable_paths(const RenderPlan& settings, bool cpu) {
 
 } // namespace
 
-std::uint64_t light_pilot_paths(const RenderPlan& settings, bool cpu) {
+std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu) {
   const double paths = kEqual * std::pow(reliable_paths(settings, cpu) / kEqual, 0.75);
   return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
 }
@@ -38,8 +38,8 @@ std::uint32_t guide_iterations(const RenderPlan& settings, bool cpu) {
   return kGuideIterations + (pays ? 1 : 0);
 }
 
-void set_pilot_lengths(RenderPlan& settings, bool cpu) {
-  settings.training.paths = light_pilot_paths(settings, cpu);
+void set_training_lengths(RenderPlan& settings, bool cpu) {
+  settings.training.paths = light_training_paths(settings, cpu);
   settings.training.guide_iterations = guide_iterations(settings, cpu);
 }
 

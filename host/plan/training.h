@@ -12,7 +12,7 @@ namespace wavepath {
 // error in proportion to 1 + a / sqrt(P), more or less, and a render of R paths takes 1 + P / R of its time: the
 // product is least where P grows as R^(2/3), by measurement a little faster. A render that ends by its error is taken
 // to be short, and one that is bounded by time to have the paths that expected_paths() tells.
-std::uint64_t light_pilot_paths(const RenderPlan& settings, bool cpu);
+std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu);
 
 // Training::guide_iterations of such a render: one more where that pays, which learns from twice as many paths
 // and leaves .8 of the squared error (benchmarks/results/NOTES.md, Guiding). A sixth one would leave .9 of that, and
@@ -20,6 +20,6 @@ std::uint64_t light_pilot_paths(const RenderPlan& settings, bool cpu);
 std::uint32_t guide_iterations(const RenderPlan& settings, bool cpu);
 
 // Both.
-void set_pilot_lengths(RenderPlan& settings, bool cpu);
+void set_training_lengths(RenderPlan& settings, bool cpu);
 
 } // namespace wavepath

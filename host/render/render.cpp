@@ -22,7 +22,7 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
     while (loop.step()) {
     }
     RenderResult result = loop.finish();
-    if (shared && result.light_pilot.shares) shared->light_shares = result.light_pilot.shares;
+    if (shared && result.light_training.shares) shared->light_shares = result.light_training.shares;
     return result;
   } catch (const DeviceLost& lost) {
     if (!hooks.salvages) throw;

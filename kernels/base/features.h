@@ -53,7 +53,7 @@ GPU_CONSTANT Feature kFeatureLightRows = 1u << 28; // in shares that a pilot has
 GPU_CONSTANT Feature kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
 GPU_CONSTANT Feature kFeaturePanes = 1u << 30;     // thin smooth panes, or walls, that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
-GPU_CONSTANT Feature kFeatureLearning =
+GPU_CONSTANT Feature kFeatureTraining =
     1u << 31; // of pilots alone: their kernels note what shares of lights and of the sky, and the guide, learn from
 
 // What a material may have beyond glTF's metallic-roughness model: see kernels/surface/layers.glsl.

@@ -50,7 +50,7 @@ GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
 // environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
 GPU_CONSTANT uint kBindLightRows = 57u; // texels R32UI: by row and column the end of the column's share of all integers
 GPU_CONSTANT uint kBindLightSums =
-    58u; // storage uint[], four a column (kFeatureLearning), see kernels/path/connect.comp
+    58u; // storage uint[], four a column (kFeatureTraining), see kernels/path/connect.comp
 GPU_CONSTANT uint kLightRows = 1u << 14;
 GPU_CONSTANT uint kLightColumns = 64u;
 GPU_CONSTANT uint kSubtreeColumns = 61u;

@@ -98,7 +98,7 @@ void begin_ray(uint index) {
 
 void end_ray(uint index, Hit hit) {
   bool blocked = hit.triangle != kNone;
-  if (has(kFeatureLearning) && (LEARNS_SKY || !is_to_sky(shadow_ray))) tally(shadow_ray, blocked);
+  if (has(kFeatureTraining) && (USES_LEARNED_SKY || !is_to_sky(shadow_ray))) tally(shadow_ray, blocked);
   if (blocked) return;
   // One shadow ray a path in this queue: no other lane writes this slot.
   PathState path = fetch_path(shadow_ray.slot);

@@ -32,7 +32,7 @@ void main() {
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + place);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  if (has(kFeatureLearning)) {
+  if (has(kFeatureTraining)) {
     note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
     note_end(wave.first_pixel + ray.slot, wave.bounce);
   }

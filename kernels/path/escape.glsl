@@ -19,7 +19,7 @@ void escape(Ray ray, inout PathState path) {
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
-  if (LEARNS_SKY) { // over the light samples of the vertex before, as the density that the path keeps
+  if (USES_LEARNED_SKY) { // over the light samples of the vertex before, as the density that the path keeps
     uint before = max(wave.bounce, 1u) - 1u;
     light_pdf = learned_sky_pdf(before, 1.0) / float(light_samples_at(kLightSamples, before));
   }

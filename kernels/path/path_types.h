@@ -33,7 +33,7 @@ GPU_CONSTANT uint kBindReceivers = 59u;
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
 GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
 GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32UI: maps of its leaves
-// Storage: vec4[], GuideRecord[] (kFeatureLearning); or uvec4[], reuse_texel_count() a slot: what pixels tell their
+// Storage: vec4[], GuideRecord[] (kFeatureTraining); or uvec4[], reuse_texel_count() a slot: what pixels tell their
 // neighbours of paths (kSpecReuse). No render has both, and devices may allow few storage buffers.
 GPU_CONSTANT uint kBindGuideRecords = 63u;
 GPU_CONSTANT uint kBindReuseTexels = 90u; // texels RGBA32UI: the same memory

@@ -138,7 +138,7 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
 bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, out vec3 wi, out vec3 weight) {
   uint dimension = kDimensionSky + 2u * wave.bounce;
   float bsdf_pdf;
-  if (LEARNS_SKY) {
+  if (USES_LEARNED_SKY) {
     uvec2 u = sample_bits(sky_sampler, dimension);
     float density = learned_sky_pdf(wave.bounce, pick_sky_part(receiver, u));
     wi = sky_direction(u);
@@ -213,12 +213,12 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   // environment (llvmpipe). Paths survive a quarter more often than that, and twice as often where they are guided to
   // light (benchmarks/results/NOTES.md).
   float survival = (has(kFeatureGuide) ? 2.0 : 1.25) * sqrt(max_component(path.throughput) * abs(path.eta_scale));
-  if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
+  if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureTraining)) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
-  if (has(kFeatureLearning))
+  if (has(kFeatureTraining))
     note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf,
                     path.throughput);
 
@@ -344,9 +344,9 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   if (kMoves) open_shutter(fetch_sampler(ray.slot));
-  if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
+  if (has(kFeatureTraining)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
-  if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
+  if (has(kFeatureTraining) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);

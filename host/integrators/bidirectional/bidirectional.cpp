@@ -157,7 +157,7 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
       kernels_(kernels),
       paths_(workspace, kernels),
-      teacher_(workspace, kernels, paths_),
+      trainer_(workspace, kernels, paths_),
       buffers_(workspace.device, kRules),
       delta_surfaces_(find_delta_surfaces(workspace.scene)),
       lamps_in_bodies_(lamps_in_bodies(workspace.scene)) {}
@@ -181,10 +181,10 @@ void Bidirectional::change(const View& view, const RenderPlan& settings, Past) {
   photon_need_.stages = kPhotonStages;
   if (merges) kernels_.start(photon_need_);
   const gpu::Feature features = kernels_.features(kBidirectionalProgram);
-  teacher_.change(settings);
-  in_lesson_ = teacher_.learns();
-  bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays | teacher_.rooms(), features);
-  teacher_.start();
+  trainer_.change(settings);
+  is_training_ = trainer_.trains();
+  bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays | trainer_.rooms(), features);
+  trainer_.start();
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
   moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
   send_constants(techniques_);
@@ -207,27 +207,27 @@ void Bidirectional::send_constants(std::uint32_t techniques) {
 
 bool Bidirectional::is_ready() {
   const bool paths = paths_.is_ready(); // asks for both, so that both are begun
-  const bool photons = !merges() || kernels_.ready(photon_need_), pilot = teacher_.is_ready();
+  const bool photons = !merges() || kernels_.ready(photon_need_), pilot = trainer_.is_ready();
   return kernels_.ready(need_) && paths && photons && pilot;
 }
 
 double Bidirectional::get_ready() {
   const double photons = merges() ? kernels_.best(photon_need_).seconds() : 0.0;
-  return kernels_.best(need_).seconds() + paths_.get_ready() + photons + teacher_.get_ready();
+  return kernels_.best(need_).seconds() + paths_.get_ready() + photons + trainer_.get_ready();
 }
 
 // Camera paths alone, weighted as in path tracing. Weighted as in the picture, where light paths find much of what the
 // lights bring, they teach worse: squared errors are 1.09 (a house with 10,000 lamps) and 1.29 times as large (100
 // lamps).
 std::optional<Pilot> Bidirectional::pilot() {
-  if (!in_lesson_) return std::nullopt;
+  if (!is_training_) return std::nullopt;
   send_constants(techniques_ & (gpu::kTechniqueHit | gpu::kTechniqueLight));
-  return teacher_.begin();
+  return trainer_.begin();
 }
 
-bool Bidirectional::learn() {
-  teacher_.learn();
-  in_lesson_ = false;
+bool Bidirectional::end_pilot() {
+  trainer_.finish();
+  is_training_ = false;
   send_constants(techniques_);
   return false;
 }
@@ -239,7 +239,7 @@ std::uint32_t Bidirectional::most_samples(std::uint32_t first_sample) const {
 }
 
 void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
-  if (in_lesson_ || !merges() || block_ == first_sample / photons_.block) return;
+  if (is_training_ || !merges() || block_ == first_sample / photons_.block) return;
   block_ = first_sample / photons_.block;
   const gpu::PhotonFrame map = photon_frame(photons_, radius_of_block(first_radius_, photons_, *block_));
   queue.submit([&](Commands& commands) { record_empty_map(commands, map); }, {.timed_dispatches = 1});
@@ -257,7 +257,7 @@ void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
 }
 
 void Bidirectional::describe(RenderResult& result) const {
-  result.light_pilot = teacher_.report();
+  result.light_training = trainer_.report();
   if (!merges() || !block_) return;
   result.merging = {.first_radius = radius_of_block(first_radius_, photons_, *first_block_),
                     .last_radius = radius_of_block(first_radius_, photons_, *block_),
@@ -305,7 +305,7 @@ std::uint32_t Bidirectional::timed_dispatches() const {
 
 void Bidirectional::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   constexpr std::uint32_t kLightTechniques = gpu::kTechniqueConnect | gpu::kTechniqueSplat;
-  const bool lights = workspace_.frame.light_count > 0 && workspace_.frame.max_depth > 0 && !in_lesson_;
+  const bool lights = workspace_.frame.light_count > 0 && workspace_.frame.max_depth > 0 && !is_training_;
   if (lights && techniques_ & kLightTechniques) {
     record_light_paths(commands, band, wave);
     commands.barrier();
@@ -360,7 +360,7 @@ void Bidirectional::record_splats(Commands& commands, std::size_t band, const gp
 
 void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet &kernels = kernels_.best(need_), &path_kernels = paths_.kernels();
-  const KernelSet& connecting = in_lesson_ ? teacher_.kernels() : path_kernels;
+  const KernelSet& connecting = is_training_ ? trainer_.kernels() : path_kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool lights = workspace_.frame.light_count > 0;
   const BindingSet &own = *sets_[band], &shared = paths_.bindings(band);
@@ -374,7 +374,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
-    if (merges() && !in_lesson_ && bounce > 0 &&
+    if (merges() && !is_training_ && bounce > 0 &&
         bounce + 2 <= workspace_.frame.max_depth) { // a photon has met two surfaces
       commands.dispatch_indirect(kernels_.best(photon_need_)[kPhotonGather], paths_.buffers[kQueues],
                                  offsetof(gpu::Queues, extend_groups), &step);
@@ -382,7 +382,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     }
     commands.dispatch_indirect(kernels[kCameraShade], paths_.buffers[kQueues], offsetof(gpu::Queues, extend_groups),
                                &step);
-    if (bounce + 1 < bounces && lights && !in_lesson_ && techniques_ & gpu::kTechniqueConnect) {
+    if (bounce + 1 < bounces && lights && !is_training_ && techniques_ & gpu::kTechniqueConnect) {
       commands.barrier();
       step.bounce = 1; // any but 0
       commands.dispatch(kernels[kConnectionAdvance], 1, &step);
@@ -395,7 +395,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     if (bounce + 1 < bounces && lights && techniques_ & gpu::kTechniqueLight)
       paths_.connect(commands, connecting, wave, bounce);
   }
-  if (in_lesson_) return; // its samples do not reach the film
+  if (is_training_) return; // its samples do not reach the film
   commands.barrier();
   commands.dispatch(path_kernels[kAccumulate], groups_for(wave.pixel_count), &wave);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/integrators/bidirectional/photon_map.h"
-#include "host/integrators/path/light_teacher.h"
+#include "host/integrators/path/light_trainer.h"
 #include "host/integrators/path/paths.h"
 #include "kernels/bidirectional/bidirectional_types.h"
 
@@ -24,7 +24,7 @@ public:
   double get_ready() override;
   std::uint32_t most_samples(std::uint32_t first_sample) const override;
   std::optional<Pilot> pilot() override;
-  bool learn() override;
+  bool end_pilot() override;
   void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
@@ -44,8 +44,8 @@ private:
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths paths_; // of both kinds, one after the other
-  LightTeacher teacher_;
-  bool in_lesson_ = false; // before the first sample of the picture
+  LightTrainer trainer_;
+  bool is_training_ = false; // before the first sample of the picture
   BufferSet buffers_;
   KernelNeed need_;
   std::uint32_t techniques_ = 0; // those that the scene has use for

@@ -542,7 +542,7 @@ std::optional<Pilot> Hybrid::pilot() {
   return pilot;
 }
 
-bool Hybrid::learn() {
+bool Hybrid::end_pilot() {
   piloting_ = false;
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));

@@ -53,7 +53,7 @@ public:
   // Some thousand pixels, from whose light the ambient radiance is estimated, unless the settings give it or no ambient
   // term is wanted.
   std::optional<Pilot> pilot() override;
-  bool learn() override;
+  bool end_pilot() override;
 
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override;
   std::uint32_t most_samples(std::uint32_t) const override { return 1; }

@@ -167,9 +167,9 @@ struct Maps {
   GuideMap half[2], both;
 };
 
-class Learner {
+class GuideTrainer {
 public:
-  Learner(std::span<const GuideVertex> of, const Tree& over)
+  GuideTrainer(std::span<const GuideVertex> of, const Tree& over)
       : maps(over.leaves.size() * gpu::kGuideMapTexels),
         judgements(over.leaves.size()),
         vertices_(of),
@@ -179,24 +179,24 @@ public:
       const GuideVertex& v = of[over.order[i].vertex];
       directions_[i] = {v.radiance / v.pdf, static_cast<std::uint16_t>(map_cell(v.direction)), v.odd};
     });
-    learn(0, {{even_map(), even_map()}, even_map()});
+    train(0, {{even_map(), even_map()}, even_map()});
   }
 
   std::vector<glm::uvec4> maps; // of all leaves
   std::vector<Judgement> judgements;
 
 private:
-  void learn(std::uint32_t index, const Maps& larger) {
+  void train(std::uint32_t index, const Maps& larger) {
     const Node& node = tree_.nodes[index];
     Histogram halves[2];
     for (std::size_t i = node.first; i < node.last; ++i)
       if (directions_[i].weight > 0.0f) halves[directions_[i].odd].add(directions_[i].cell, directions_[i].weight);
     Maps own;
-    for (const int half : {0, 1}) own.half[half] = learn_map(halves[half], larger.half[half]);
+    for (const int half : {0, 1}) own.half[half] = train_map(halves[half], larger.half[half]);
     halves[0].add(halves[1]);
-    own.both = learn_map(halves[0], larger.both);
+    own.both = train_map(halves[0], larger.both);
     if (node.axis >= 0) {
-      tbb::parallel_invoke([&] { learn(node.child, own); }, [&] { learn(node.child + 1, own); });
+      tbb::parallel_invoke([&] { train(node.child, own); }, [&] { train(node.child + 1, own); });
       return;
     }
     write_map(
@@ -233,9 +233,9 @@ GuideField no_field() {
 GuideField build_field(std::span<const GuideVertex> vertices) {
   if (vertices.empty()) return no_field();
   const Tree tree = make_tree(vertices);
-  Learner learner(vertices, tree);
+  GuideTrainer trainer(vertices, tree);
   Judgement all;
-  for (const Judgement& leaf : learner.judgements)
+  for (const Judgement& leaf : trainer.judgements)
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) all.entropy[i] += leaf.entropy[i];
   // What a leaf says of itself, and a little of what all say.
   const double share = kCommon / static_cast<double>(tree.leaves.size());
@@ -243,7 +243,7 @@ GuideField build_field(std::span<const GuideVertex> vertices) {
   GuideField field;
   double before = 0.0, after = 0.0;
   for (std::size_t leaf = 0; leaf < tree.leaves.size(); ++leaf) {
-    Judgement judged = learner.judgements[leaf];
+    Judgement judged = trainer.judgements[leaf];
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) judged.entropy[i] += share * all.entropy[i];
     const auto best = static_cast<std::size_t>(std::ranges::min_element(judged.entropy) - judged.entropy.begin());
     const Node& node = tree.nodes[tree.leaves[leaf]];
@@ -253,7 +253,7 @@ GuideField build_field(std::span<const GuideVertex> vertices) {
     before += judged.moment[0], after += judged.moment[best];
   }
   field.gain = before > 0.0 ? after / before : 1.0;
-  field.maps = std::move(learner.maps);
+  field.maps = std::move(trainer.maps);
   field.nodes.resize(1);
   flatten(tree, probabilities, 0, 0, field.nodes);
   return field;

@@ -97,7 +97,7 @@ std::uint32_t map_cell(const glm::vec3& d) {
 
 GuideMap even_map() { return GuideMap(kMapCells, kEven); }
 
-GuideMap learn_map(const Histogram& histogram, const GuideMap& larger_part) {
+GuideMap train_map(const Histogram& histogram, const GuideMap& larger_part) {
   const double total = std::accumulate(histogram.sum.begin(), histogram.sum.end(), 0.0);
   const double per_unit = total > 0.0 ? 1.0 / total : 0.0;
   const Pyramid sums = pyramid(histogram.sum, per_unit), squares = pyramid(histogram.squares, per_unit * per_unit);

@@ -38,7 +38,7 @@ GuideMap even_map();
 // Densities from the whole sphere down: a cell divides its own among its four finer ones by their sums. Few samples, or
 // one that outweighs all others, tell little: by the effective number of samples n = (sum w)^2 / sum w^2 (Kish 1965),
 // some further ones count as spread like those of a larger part of the scene.
-GuideMap learn_map(const Histogram& histogram, const GuideMap& larger_part);
+GuideMap train_map(const Histogram& histogram, const GuideMap& larger_part);
 
 // As kernels read it, whose weights are rounded: densities are those of what is drawn.
 void write_map(const GuideMap& map, std::span<glm::uvec4, gpu::kGuideMapTexels> texels);

@@ -12,7 +12,7 @@ constexpr std::uint32_t kLeastIterations = 2;
 // A pixel, in an iteration: small pictures learn from fewer paths. Iterations that long renders alone have may be
 // longer.
 constexpr std::uint32_t kMostSamples = 64, kMostSamplesIfLong = 1024;
-constexpr std::size_t kLearnsFrom = 3; // iterations: the last ones
+constexpr std::size_t kTrainsOn = 3; // iterations: the last ones
 
 // Foretold variance below which the picture is guided, and above which the pilot ends early. A guided sample costs
 // about 1.3 times an unguided one (llvmpipe).
@@ -38,15 +38,15 @@ float add_vertices(const gpu::GuideRecord* notes, float scale, bool odd, std::ve
 
 } // namespace
 
-GuidePilot::GuidePilot(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations)
+GuideTraining::GuideTraining(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations)
     : width_(width), height_(height), most_iterations_(most_iterations) {
-  const double scale = std::sqrt(kGuidePilotPixels / (static_cast<double>(width) * height));
+  const double scale = std::sqrt(kGuideTrainingPixels / (static_cast<double>(width) * height));
   if (scale >= 1.0) return;
-  width_ = std::clamp(static_cast<std::uint32_t>(width * scale), 1u, kGuidePilotPixels);
-  height_ = std::min(height, kGuidePilotPixels / width_);
+  width_ = std::clamp(static_cast<std::uint32_t>(width * scale), 1u, kGuideTrainingPixels);
+  height_ = std::min(height, kGuideTrainingPixels / width_);
 }
 
-std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
+std::uint32_t GuideTraining::iteration_end(std::uint32_t iteration) const {
   std::uint32_t end = 0;
   for (std::uint32_t i = 0; i <= iteration; ++i) {
     const std::uint32_t paths = kFirstPaths << (i > 0 ? i - 1 : 0);
@@ -58,7 +58,7 @@ std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
 
 // Share of a sample's variance that guided directions can change: the rest is made by light samples at first hits and
 // by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
-double GuidePilot::guidable_share() const {
+double GuideTraining::guidable_share() const {
   double whole = 0.0, guidable = 0.0;
   for (std::size_t first = 0; first < samples_.size(); first += 2 * pixels())
     for (std::size_t pixel = first; pixel < first + pixels(); ++pixel) {
@@ -70,26 +70,26 @@ double GuidePilot::guidable_share() const {
   return whole > 0.0 ? std::min(guidable / whole, 1.0) : 0.0;
 }
 
-GuideReport GuidePilot::report() const {
+GuideReport GuideTraining::report() const {
   return {.used = field_.probability > 0.0 && promise_ < kPays,
           .variance = promise_,
           .probability = field_.probability,
           .leaves = field_.leaves(),
           .bytes = field_.nodes.size() * sizeof(gpu::GuideNode) + field_.maps.size() * sizeof(glm::uvec4),
-          .pilot_paths = std::uint64_t{sample_} * pixels()};
+          .training_paths = std::uint64_t{sample_} * pixels()};
 }
 
 // The first fields guide the next iteration by what their own has found; later ones, of which one guides the picture,
 // learn from some iterations before, too, whose fields were poorer.
-std::span<const GuideVertex> GuidePilot::lesson() const {
+std::span<const GuideVertex> GuideTraining::training_vertices() const {
   return std::span(vertices_).subspan(iteration_ + 1 < kGuideIterations ? iteration_begins_.back() : 0);
 }
 
 // Leaves out those from which the next iteration does not learn, and makes room for its own.
-void GuidePilot::forget_vertices() {
+void GuideTraining::forget_vertices() {
   const std::size_t own = vertices_.size() - iteration_begins_.back();
   iteration_begins_.push_back(vertices_.size());
-  if (iteration_begins_.size() > kLearnsFrom) {
+  if (iteration_begins_.size() > kTrainsOn) {
     const std::size_t forgotten = iteration_begins_[1];
     vertices_.erase(vertices_.begin(), vertices_.begin() + static_cast<std::ptrdiff_t>(forgotten));
     iteration_begins_.erase(iteration_begins_.begin());
@@ -98,7 +98,7 @@ void GuidePilot::forget_vertices() {
   vertices_.reserve(vertices_.size() + 2 * own); // an iteration has at most twice as many paths, but for small pictures
 }
 
-Pilot GuidePilot::next() const {
+Pilot GuideTraining::next() const {
   return {.segments = {{0, 0, pixels(), 0}},
           .samples = 1,
           .seed = kSeed,
@@ -107,7 +107,7 @@ Pilot GuidePilot::next() const {
           .height = height_};
 }
 
-bool GuidePilot::take(const Buffer& records) {
+bool GuideTraining::take(const Buffer& records) {
   const auto notes = download<gpu::GuideRecord>(records, std::size_t{pixels()} * gpu::kGuideBounces);
   sums_.resize(pixels());
   for (std::size_t path = 0; path < pixels(); ++path) {
@@ -123,7 +123,7 @@ bool GuidePilot::take(const Buffer& records) {
   }
   if (++sample_ < iteration_end(iteration_)) return false;
 
-  field_ = build_field(lesson());
+  field_ = build_field(training_vertices());
   const double share = guidable_share();
   promise_ = 1.0 - share * (1.0 - field_.gain);
   samples_.clear();

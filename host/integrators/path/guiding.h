@@ -16,16 +16,16 @@
 
 namespace wavepath {
 
-inline constexpr std::uint32_t kGuidePilotPixels = 1u << 15; // at most
+inline constexpr std::uint32_t kGuideTrainingPixels = 1u << 15; // at most
 inline constexpr std::uint64_t kGuideRecordBytes =
-    std::uint64_t{kGuidePilotPixels} * gpu::kGuideBounces * sizeof(gpu::GuideRecord);
+    std::uint64_t{kGuideTrainingPixels} * gpu::kGuideBounces * sizeof(gpu::GuideRecord);
 
 inline constexpr std::uint64_t kGuideBytes = kGuideMapBytes + kGuideTreeBytes + kGuideRecordBytes; // at most
 
-class GuidePilot {
+class GuideTraining {
 public:
   // For a picture of this size.
-  GuidePilot(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations);
+  GuideTraining(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations);
 
   Pilot next() const; // one sample of every pixel of the small picture
   // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
@@ -38,7 +38,7 @@ private:
   std::uint32_t pixels() const { return width_ * height_; }
   std::uint32_t iteration_end(std::uint32_t iteration) const;
   double guidable_share() const;
-  std::span<const GuideVertex> lesson() const;
+  std::span<const GuideVertex> training_vertices() const;
   void forget_vertices();
 
   std::uint32_t width_, height_, most_iterations_;

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "host/integrators/path/cell_lessons.h"
+#include "host/integrators/path/cell_histograms.h"
 #include "host/scene/pack/emission_map.h"
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
 
-using Shares = CellLessons::Shares;
+using Shares = CellHistograms::Shares;
 
 // The share that is never learned; and as how many picks of a cell's own what is known around it counts. On a house
 // with 10,000 lamps the relMSE at 64 samples is .0272; .0326 and .0306 with shares of .2 and .05, .0341 with 16 picks;
@@ -32,22 +32,22 @@ Shares shares_by_power(const PackedScene& scene) {
 
 } // namespace
 
-std::vector<std::uint32_t> unlearned_light_rows(const PackedScene& scene) {
+std::vector<std::uint32_t> prior_light_rows(const PackedScene& scene) {
   return in_every_row(build_intervals(shares_by_power(scene)));
 }
 
-LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums) {
+TrainedLights train_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums) {
   const Shares prior = shares_by_power(scene);
-  LightLesson lesson{.ends = unlearned_light_rows(scene)};
-  CellLessons all(prior, gpu::kTreeColumn, kPriorPicks, sums);
+  TrainedLights trained{.ends = prior_light_rows(scene)};
+  CellHistograms all(prior, gpu::kTreeColumn, kPriorPicks, sums);
   for (const std::uint32_t row : all.rows()) {
-    Shares shares = all.learned(row);
+    Shares shares = all.trained(row);
     for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
       shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
-    std::ranges::copy(build_intervals(shares), lesson.ends.begin() + std::ptrdiff_t{row} * gpu::kLightColumns);
+    std::ranges::copy(build_intervals(shares), trained.ends.begin() + std::ptrdiff_t{row} * gpu::kLightColumns);
   }
-  lesson.rows = static_cast<std::uint32_t>(all.rows().size());
-  return lesson;
+  trained.rows = static_cast<std::uint32_t>(all.rows().size());
+  return trained;
 }
 
 // 2^20 units for what is typical: a millionth of that still counts, and 2^10 times that is where samples are cut.

@@ -45,13 +45,13 @@ PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& vie
                        KernelCompiler& kernels)
     : workspace_(device, scene, 1, traversal_of(settings)),
       paths_(workspace_, kernels),
-      teacher_(workspace_, kernels, paths_) {
+      trainer_(workspace_, kernels, paths_) {
   const RenderPlan plain = without_extras(settings);
   workspace_.change(view, plain);
   workspace_.frame.reuses_paths = 0; // a path by itself shares nothing
-  if (plain.training.found) teacher_.change(plain);
+  if (plain.training.found) trainer_.change(plain);
   paths_.change(plain, kAllPathStages, 0);
-  if (plain.training.found) teacher_.start();
+  if (plain.training.found) trainer_.start();
 }
 
 void PathReplay::run(PathStage stage, std::uint32_t bounce) {

@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "host/integrators/path/light_teacher.h"
+#include "host/integrators/path/light_trainer.h"
 #include "host/integrators/path/paths.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/path/path_types.h"
@@ -61,7 +61,7 @@ private:
 
   Workspace workspace_; // of one slot
   Paths paths_;
-  LightTeacher teacher_;
+  LightTrainer trainer_;
   gpu::Wave wave_{};
 };
 

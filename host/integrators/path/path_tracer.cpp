@@ -5,73 +5,74 @@
 namespace wavepath {
 
 std::uint32_t PathTracer::rooms() const {
-  return teacher_.rooms() | (settings_.guide ? kRoomForGuide : 0) | (guide_pilot_ ? kRoomForGuideRecords : 0);
+  return trainer_.rooms() | (settings_.guide ? kRoomForGuide : 0) | (guide_training_ ? kRoomForGuideRecords : 0);
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
 void PathTracer::change(const View&, const RenderPlan& settings, Past) {
   settings_ = settings;
-  teacher_.change(settings);
+  trainer_.change(settings);
   guide_report_.reset();
-  guide_pilot_.reset();
-  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.training.guide_iterations);
-  lesson_ = teacher_.learns() ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
+  guide_training_.reset();
+  if (settings.guide) guide_training_.emplace(settings.width, settings.height, settings.training.guide_iterations);
+  training_ = trainer_.trains() ? Training::lights : settings.guide ? Training::guide : Training::none;
   paths_.change(settings, kAllPathStages, rooms());
-  teacher_.start();
+  trainer_.start();
   if (settings.guide) {
     guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
     guided_need_.config.features |= gpu::kFeatureGuide;
-    guide_pilot_need_ = path_need(kGuidePilotProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
-    guide_pilot_need_.config.features |= gpu::kFeatureLearning;
-    guide_pilot_need_.config.sky = gpu::kSkyByPaths; // it learns from the light that paths find themselves
-    kernels_.start(guide_pilot_need_);
+    guide_training_need_ =
+        path_need(kGuideTrainingProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
+    guide_training_need_.config.features |= gpu::kFeatureTraining;
+    guide_training_need_.config.sky = gpu::kSkyByPaths; // it learns from the light that paths find themselves
+    kernels_.start(guide_training_need_);
     kernels_.start(guided_need_);
-    use_field(guide_pilot_->field());
+    use_field(guide_training_->field());
   }
 }
 
 bool PathTracer::is_ready() {
   bool ready = paths_.is_ready(); // asks for all, so that all are begun
-  ready = teacher_.is_ready() && ready;
-  if (settings_.guide) ready = kernels_.ready(guide_pilot_need_) && kernels_.ready(guided_need_) && ready;
+  ready = trainer_.is_ready() && ready;
+  if (settings_.guide) ready = kernels_.ready(guide_training_need_) && kernels_.ready(guided_need_) && ready;
   return ready;
 }
 
 double PathTracer::get_ready() {
-  double seconds = std::max(paths_.get_ready(), teacher_.get_ready());
+  double seconds = std::max(paths_.get_ready(), trainer_.get_ready());
   if (settings_.guide)
-    for (const KernelNeed* need : {&guide_pilot_need_, &guided_need_})
+    for (const KernelNeed* need : {&guide_training_need_, &guided_need_})
       seconds = std::max(seconds, kernels_.best(*need).seconds());
   return seconds;
 }
 
 std::optional<Pilot> PathTracer::pilot() {
-  switch (lesson_) {
-    case Lesson::lights:
-      return teacher_.begin();
-    case Lesson::guide:
-      return guide_pilot_->next();
+  switch (training_) {
+    case Training::lights:
+      return trainer_.begin();
+    case Training::guide:
+      return guide_training_->next();
     default:
       return std::nullopt;
   }
 }
 
-bool PathTracer::learn() {
-  if (lesson_ == Lesson::lights) {
-    teacher_.learn();
-    lesson_ = guide_pilot_ ? Lesson::guide : Lesson::none;
+bool PathTracer::end_pilot() {
+  if (training_ == Training::lights) {
+    trainer_.finish();
+    training_ = guide_training_ ? Training::guide : Training::none;
   } else {
-    learn_guide();
+    train_guide();
   }
-  return lesson_ != Lesson::none;
+  return training_ != Training::none;
 }
 
-void PathTracer::learn_guide() {
-  if (guide_pilot_->take(paths_.buffers[kRecords])) use_field(guide_pilot_->field());
-  if (!guide_pilot_->is_done()) return;
-  guide_report_ = guide_pilot_->report();
-  guide_pilot_.reset();
-  lesson_ = Lesson::none;
+void PathTracer::train_guide() {
+  if (guide_training_->take(paths_.buffers[kRecords])) use_field(guide_training_->field());
+  if (!guide_training_->is_done()) return;
+  guide_report_ = guide_training_->report();
+  guide_training_.reset();
+  training_ = Training::none;
   paths_.buffers[kRecords] = Buffer(); // a place holder takes its place
   paths_.change(settings_, kAllPathStages, rooms());
 }
@@ -82,7 +83,7 @@ void PathTracer::use_field(const GuideField& field) {
 }
 
 void PathTracer::describe(RenderResult& result) const {
-  result.light_pilot = teacher_.report();
+  result.light_training = trainer_.report();
   result.guide = guide_report_;
 }
 
@@ -95,9 +96,11 @@ std::uint32_t PathTracer::timed_dispatches() const {
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
-  const bool notes = lesson_ == Lesson::guide, guided = guide_report_ && guide_report_->used;
-  const KernelSet& shading = notes ? kernels_.best(guide_pilot_need_) : guided ? kernels_.best(guided_need_) : kernels;
-  const KernelSet& connecting = lesson_ == Lesson::lights ? teacher_.kernels() : kernels;
+  const bool notes = training_ == Training::guide, guided = guide_report_ && guide_report_->used;
+  const KernelSet& shading = notes    ? kernels_.best(guide_training_need_)
+                             : guided ? kernels_.best(guided_need_)
+                                      : kernels;
+  const KernelSet& connecting = training_ == Training::lights ? trainer_.kernels() : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0 || paths_.config().sky == gpu::kSkyByShadowRays;
   commands.bind(paths_.bindings(band));
@@ -110,7 +113,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
     is_prepared = connects && bounce + 1 < bounces && // the last one only collects emission
                   paths_.connect(commands, connecting, wave, bounce, sorts);
   }
-  if (lesson_ == Lesson::lights) return; // its samples do not reach the film
+  if (training_ == Training::lights) return; // its samples do not reach the film
   if (workspace_.frame.reuses_paths && !notes) {
     commands.barrier();
     commands.dispatch(kernels[kReuse], groups_for(gpu::level_slots(wave)), &wave);

@@ -124,7 +124,7 @@ const std::vector<BufferRule> kRules = {
 } // namespace
 
 const KernelProgram kPathProgram = {kStages, kCompileOrder, path_layout};
-const KernelProgram kGuidePilotProgram = {kStages, kCompileOrder, path_layout};
+const KernelProgram kGuideTrainingProgram = {kStages, kCompileOrder, path_layout};
 
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config) {
   if (config.sort != gpu::kSortEscapes) stages &= ~stage_bits({kEscape});
@@ -223,10 +223,10 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
 bool Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
                     bool prepares_extend) const {
   const gpu::Frame& frame = workspace_.frame;
-  const bool learns_sky = frame.scene_lobes & static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
+  const bool trains_sky = frame.scene_lobes & static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
   const std::uint32_t light_samples = kernels.config().light_samples, lights = frame.light_count > 0 ? 1 : 0;
   const std::uint32_t of_lights = lights * gpu::light_samples_at(light_samples, bounce);
-  const std::uint32_t of_sky = gpu::sky_samples_at(frame.sky_samples, learns_sky, bounce) - 1;
+  const std::uint32_t of_sky = gpu::sky_samples_at(frame.sky_samples, trains_sky, bounce) - 1;
   for (std::uint32_t i = 0; i < of_lights + of_sky; ++i) {
     const std::uint32_t queue = i < of_lights ? i : light_samples + i - of_lights;
     const bool is_last = i + 1 == of_lights + of_sky;

@@ -39,7 +39,7 @@ inline constexpr std::uint32_t kAllPathStages =
                 kAccumulate}); // of a path tracer that is not learning
 
 extern const KernelProgram kPathProgram;
-extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one never stands in for one of the other
+extern const KernelProgram kGuideTrainingProgram; // the same stages; a set of one never stands in for one of the other
 
 // Buffers of Paths, by place.
 enum PathBuffer : std::size_t {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "host/integrators/path/cell_lessons.h"
+#include "host/integrators/path/cell_histograms.h"
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
 
-using Shares = CellLessons::Shares;
+using Shares = CellHistograms::Shares;
 
 // The share that is never learned, and as how many picks of a cell's own what is known around it counts. Sponza under a
 // sunset, direct light alone: relMSE .38 of that without learning by .1 and 128, .32 by .1 and 512; DamagedHelmet,
@@ -32,18 +32,18 @@ std::vector<std::uint32_t> ends_of(const Shares& shares) {
 
 } // namespace
 
-std::vector<std::uint32_t> unlearned_sky_rows() { return in_every_row(ends_of(equal_shares())); }
+std::vector<std::uint32_t> prior_sky_rows() { return in_every_row(ends_of(equal_shares())); }
 
-SkyLesson learn_sky_rows(std::span<const std::uint32_t> sums) {
-  SkyLesson lesson{.ends = unlearned_sky_rows()};
-  CellLessons all(equal_shares(), gpu::kSkyParts, kSkyPriorPicks, sums);
+TrainedSky train_sky_rows(std::span<const std::uint32_t> sums) {
+  TrainedSky trained{.ends = prior_sky_rows()};
+  CellHistograms all(equal_shares(), gpu::kSkyParts, kSkyPriorPicks, sums);
   for (const std::uint32_t row : all.rows()) {
-    Shares shares = all.learned(row);
+    Shares shares = all.trained(row);
     for (double& share : shares) share = kLeastSkyPrior / gpu::kSkyParts + (1.0 - kLeastSkyPrior) * share;
-    std::ranges::copy(ends_of(shares), lesson.ends.begin() + std::ptrdiff_t{row} * gpu::kSkyRowWords);
+    std::ranges::copy(ends_of(shares), trained.ends.begin() + std::ptrdiff_t{row} * gpu::kSkyRowWords);
   }
-  lesson.rows = static_cast<std::uint32_t>(all.rows().size());
-  return lesson;
+  trained.rows = static_cast<std::uint32_t>(all.rows().size());
+  return trained;
 }
 
 } // namespace wavepath

@@ -15,15 +15,15 @@ inline constexpr std::uint64_t kSkyRowBytes =
 inline constexpr std::uint64_t kSkySumBytes =
     std::uint64_t{4} * gpu::kLightRows * gpu::kSkySumColumns * sizeof(std::uint32_t);
 
-struct SkyLesson {
+struct TrainedSky {
   std::vector<std::uint32_t> ends;
   std::uint32_t rows = 0; // that learned anything
 };
 
 // Every row: all parts alike.
-std::vector<std::uint32_t> unlearned_sky_rows();
+std::vector<std::uint32_t> prior_sky_rows();
 
 // Rows that the pilot has not reached stay as they are without it.
-SkyLesson learn_sky_rows(std::span<const std::uint32_t> sums);
+TrainedSky train_sky_rows(std::span<const std::uint32_t> sums);
 
 } // namespace wavepath

@@ -55,7 +55,7 @@ public:
   virtual std::optional<Pilot> pilot() { return std::nullopt; }
   // After the pilot's waves were rendered and waited for. Nothing is in flight.
   // Returns whether to go on with another pilot().
-  virtual bool learn() { return false; }
+  virtual bool end_pilot() { return false; }
 
   // Paths that a pixel of a wave counts for, when it gets so many samples.
   virtual std::uint32_t paths_per_pixel(std::uint32_t samples) const { return samples; }

@@ -157,7 +157,7 @@ void RenderLoop::begin() {
   for (bool goes_on = true; goes_on;) {
     const auto pilot = integrator_->pilot();
     if (pilot) explore(*pilot);
-    goes_on = pilot && !stopped_ && integrator_->learn();
+    goes_on = pilot && !stopped_ && integrator_->end_pilot();
   }
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();

@@ -22,7 +22,7 @@ struct MemoryUse { // bytes on the device
 };
 
 // Cost of the pilot that learned the choice of lights, and the cells of space that it learned of.
-struct LightPilot {
+struct LightTraining {
   std::uint64_t paths = 0;
   double seconds = 0.0;
   std::uint32_t rows = 0, sky_rows = 0; // of lights, of parts of an environment map
@@ -45,7 +45,7 @@ struct GuideReport {
   double probability = 0.0; // of guiding at a vertex, on average
   std::uint32_t leaves = 0; // parts of space, each with a density over the sphere
   std::uint64_t bytes = 0;  // of the field
-  std::uint64_t pilot_paths = 0;
+  std::uint64_t training_paths = 0;
 };
 
 // Photons that camera paths ended near (--techniques merge).
@@ -113,7 +113,7 @@ struct RenderResult {
   std::vector<StageTime> stages;
   MemoryUse memory;
   Nonfinite nonfinite;
-  LightPilot light_pilot;
+  LightTraining light_training;
   std::optional<NoisePilot> noise;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;

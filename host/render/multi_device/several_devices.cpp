@@ -269,7 +269,7 @@ private:
     all.by_query = part.by_query;
     all.first_pixel_seconds = part.first_pixel_seconds;
     all.memory = part.memory;
-    all.light_pilot = part.light_pilot;
+    all.light_training = part.light_training;
     all.ambient = part.ambient;
     all.guide = part.guide;
     all.merging = part.merging;

@@ -122,7 +122,7 @@ Json merge_json(const std::optional<MergeReport>& merging) {
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
   return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
-          {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->pilot_paths}};
+          {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->training_paths}};
 }
 
 Json denoise_json(const Run& run) {
@@ -189,7 +189,7 @@ Json bvh_json(const PackedScene& packed) {
 }
 
 // Learned shares of the parts of an environment map; null where there are none.
-Json sky_selection_json(const LightPilot& pilot) {
+Json sky_selection_json(const LightTraining& pilot) {
   if (pilot.sky_rows == 0) return nullptr;
   return {{"parts", gpu::kSkyParts},
           {"cells", pilot.sky_rows},
@@ -203,17 +203,17 @@ Json light_selection_json(const Run& run) {
   if (packed.lights.empty()) return nullptr;
   const RenderPlan& settings = run.settings;
   const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
-  const Json sky = sky_selection_json(run.result.light_pilot);
+  const Json sky = sky_selection_json(run.result.light_training);
   if (!tree) return {{"by", "power"}, {"places", packed.light_places}, {"sky", sky}};
-  Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
+  Json selection = {{"by", run.result.light_training.rows > 0 ? "learned" : "tree"},
                     {"places", packed.light_places},
                     {"nodes", packed.local_light_count - 1},
                     {"depth", packed.light_tree_depth},
                     {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
-  if (run.result.light_pilot.rows > 0)
-    selection.update({{"cells", run.result.light_pilot.rows},
-                      {"pilot_paths", run.result.light_pilot.paths},
-                      {"pilot_seconds", run.result.light_pilot.seconds}});
+  if (run.result.light_training.rows > 0)
+    selection.update({{"cells", run.result.light_training.rows},
+                      {"pilot_paths", run.result.light_training.paths},
+                      {"pilot_seconds", run.result.light_training.seconds}});
   selection["sky"] = sky;
   return selection;
 }

@@ -45,8 +45,8 @@ struct IntegratorKind {
   bool nests_bodies = false; // its paths know all bodies that they are in (kLobeNested), not the last one alone
   bool sorts_hits = false;   // rays that hit and rays that escape are shaded by kernels of their own
   bool splats = false;       // it has light paths, which bring light to any pixel of the film
-  std::uint64_t light_lesson_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
-  std::uint64_t sky_lesson_bytes = 0;   // of one that teaches it which parts of an environment map to look at; likewise
+  std::uint64_t light_training_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
+  std::uint64_t sky_training_bytes = 0; // of one that teaches it which parts of an environment map to look at; likewise
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};

@@ -12,8 +12,8 @@ bool may_reuse_paths(const RenderPlan& settings) {
 bool reuses_paths(const RenderPlan& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }
 
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene) {
-  const bool learns = scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap);
-  return may_reuse_paths(settings) && settings.kernels.reuse >= (learns ? BearsReuse::anywhere : BearsReuse::untrained);
+  const bool trains = scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap);
+  return may_reuse_paths(settings) && settings.kernels.reuse >= (trains ? BearsReuse::anywhere : BearsReuse::untrained);
 }
 
 } // namespace wavepath

@@ -27,7 +27,7 @@ struct LightShares {
 
 // What the render learns before its first sample.
 struct Training {
-  std::uint64_t paths = 0;                           // for the choice of lights; 0 = as parts have (light_teacher.cpp)
+  std::uint64_t paths = 0;                           // for the choice of lights; 0 = as parts have (light_trainer.cpp)
   std::uint32_t guide_iterations = kGuideIterations; // for --guide, at most
   bool one_colour = true;                            // a sky of one colour is trained, where sky_samples > 1
   LightShares found{};                               // by another picture of the scene, in place of training

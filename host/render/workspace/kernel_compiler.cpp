@@ -83,8 +83,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
 gpu::Feature features_of(const RenderPlan& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
-  if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
-  if (learned && settings.integrator->sky_lesson_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
+  if (learned && settings.integrator->light_training_bytes > 0) features |= gpu::kFeatureLightRows;
+  if (learned && settings.integrator->sky_training_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
     features |= gpu::kFeatureLearnedSky;
   return features | settings.integrator->features(settings);
 }

@@ -11,25 +11,25 @@
 
 namespace wavepath {
 
-class LightTeacher {
+class LightTrainer {
 public:
-  LightTeacher(Workspace& workspace, KernelCompiler& kernels, Paths& paths)
+  LightTrainer(Workspace& workspace, KernelCompiler& kernels, Paths& paths)
       : workspace_(workspace), kernels_(kernels), paths_(paths) {}
 
   // Takes up settings, before the paths do; rooms() is then what they need besides.
   void change(const RenderPlan& settings);
-  std::uint32_t rooms() const { return learns_ ? kRoomForLightSums : 0; }
+  std::uint32_t rooms() const { return trains_ ? kRoomForLightSums : 0; }
   // Begins compiling the pilot's own kernels, once the paths have taken up the settings, or takes over what another
   // picture's pilot has learned.
   void start();
-  bool is_ready() { return !learns_ || kernels_.ready(need_); }
-  double get_ready() { return learns_ ? kernels_.best(need_).seconds() : 0.0; }
+  bool is_ready() { return !trains_ || kernels_.ready(need_); }
+  double get_ready() { return trains_ ? kernels_.best(need_).seconds() : 0.0; }
 
-  bool learns() const { return learns_; }
+  bool trains() const { return trains_; }
   Pilot begin();                                              // shares are by power until learn()
-  void learn();                                               // after the pilot's waves were waited for
+  void finish();                                              // after the pilot's waves were waited for
   const KernelSet& kernels() { return kernels_.best(need_); } // advance and connect of the pilot
-  const LightPilot& report() const { return report_; }
+  const LightTraining& report() const { return report_; }
 
 private:
   void use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky);
@@ -37,12 +37,12 @@ private:
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths& paths_;
-  bool learns_ = false;
-  std::uint64_t pilot_paths_ = 0;           // Training::paths
+  bool trains_ = false;
+  std::uint64_t training_paths_ = 0;        // Training::paths
   bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
   LightShares taken_over_;
   KernelNeed need_;
-  LightPilot report_;
+  LightTraining report_;
   Clock::time_point start_{};
 };
 

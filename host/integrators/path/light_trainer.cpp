@@ -1,4 +1,4 @@
-#include "host/integrators/path/light_teacher.h"
+#include "host/integrators/path/light_trainer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,18 +15,18 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPartPilotPaths = 1u << 16; // whole samples of a small picture that it holds; else one
-constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
+constexpr std::uint64_t kPartTrainingPaths = 1u << 16; // whole samples of a small picture that it holds; else one
+constexpr std::uint32_t kTrainingSeed = 0x6c8e9cf5u;
 
 // A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
-Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
+Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const FilmShape& whole = film.shape();
   const std::uint64_t pixels = film.pixels();
-  if (paths == 0) paths = pixels * std::max<std::uint64_t>(kPartPilotPaths / pixels, 1);
+  if (paths == 0) paths = pixels * std::max<std::uint64_t>(kPartTrainingPaths / pixels, 1);
   const auto samples = static_cast<std::uint32_t>((paths + pixels - 1) / pixels);
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
-  Pilot pilot{.samples = samples, .seed = kPilotSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
+  Pilot pilot{.samples = samples, .seed = kTrainingSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
   pilot.shares_paths = false; // it learns by what a light is worth to the whole path
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height
                        ? even_segments(film.bands())
@@ -36,13 +36,13 @@ Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
 
 } // namespace
 
-void LightTeacher::change(const RenderPlan& settings) {
+void LightTrainer::change(const RenderPlan& settings) {
   of_lights_ = trains_lights(workspace_.scene, settings);
   of_sky_ = trains_sky(workspace_.scene, settings);
   taken_over_ = {of_lights_ ? settings.training.found.lights : nullptr,
                  of_sky_ ? settings.training.found.sky : nullptr};
-  learns_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
-  pilot_paths_ = settings.training.paths;
+  trains_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
+  training_paths_ = settings.training.paths;
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
@@ -51,15 +51,15 @@ void LightTeacher::change(const RenderPlan& settings) {
 }
 
 // Those of the sky lie behind those of lights.
-void LightTeacher::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
+void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
   Buffer& buffer = paths_.buffers[kLightShares];
   if (of_lights_) buffer.write(lights.data(), lights.size_bytes());
   if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightRowBytes : 0);
 }
 
 // What takes the host some milliseconds is done here, while kernels compile.
-void LightTeacher::start() {
-  if (!learns_) {
+void LightTrainer::start() {
+  if (!trains_) {
     const auto words = [](const auto& shares) {
       return shares ? std::span(*shares) : std::span<const std::uint32_t>();
     };
@@ -67,34 +67,34 @@ void LightTeacher::start() {
     return;
   }
   need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
-  need_.config.features |= gpu::kFeatureLearning;
+  need_.config.features |= gpu::kFeatureTraining;
   kernels_.start(need_);
   std::vector<std::uint32_t> lights, sky;
-  if (of_lights_) lights = unlearned_light_rows(workspace_.scene);
-  if (of_sky_) sky = unlearned_sky_rows();
+  if (of_lights_) lights = prior_light_rows(workspace_.scene);
+  if (of_sky_) sky = prior_sky_rows();
   use(lights, sky);
   paths_.buffers[kLightSums].fill_zero();
 }
 
-Pilot LightTeacher::begin() {
-  const Pilot pilot = pilot_picture(workspace_.film, pilot_paths_);
+Pilot LightTrainer::begin() {
+  const Pilot pilot = training_picture(workspace_.film, training_paths_);
   report_.paths = std::uint64_t{pilot.width} * pilot.height * pilot.samples;
   start_ = Clock::now();
   return pilot;
 }
 
-void LightTeacher::learn() {
+void LightTrainer::finish() {
   const std::uint64_t of_lights = of_lights_ ? kLightSumBytes : 0, of_sky = of_sky_ ? kSkySumBytes : 0;
   std::vector<std::uint32_t> copy; // most rows are of cells that no path came to: not worth copying on a CPU device
   const auto sums = look_at(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t), copy);
-  LightLesson lights;
-  SkyLesson sky;
-  if (of_lights_) lights = learn_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
-  if (of_sky_) sky = learn_sky_rows(sums.last(of_sky / sizeof(std::uint32_t)));
+  TrainedLights lights;
+  TrainedSky sky;
+  if (of_lights_) lights = train_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
+  if (of_sky_) sky = train_sky_rows(sums.last(of_sky / sizeof(std::uint32_t)));
   use(lights.ends, sky.ends);
   report_.rows = lights.rows, report_.sky_rows = sky.rows;
-  const auto share = [](bool is_learned, std::vector<std::uint32_t>& ends) {
-    return is_learned ? std::make_shared<const std::vector<std::uint32_t>>(std::move(ends)) : nullptr;
+  const auto share = [](bool is_trained, std::vector<std::uint32_t>& ends) {
+    return is_trained ? std::make_shared<const std::vector<std::uint32_t>>(std::move(ends)) : nullptr;
   };
   report_.shares = {share(of_lights_, lights.ends), share(of_sky_, sky.ends)};
   report_.seconds = seconds_since(start_);

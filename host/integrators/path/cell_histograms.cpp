@@ -1,4 +1,4 @@
-#include "host/integrators/path/cell_lessons.h"
+#include "host/integrators/path/cell_histograms.h"
 
 #include <cmath>
 #include <utility>
@@ -21,7 +21,8 @@ std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row) {
   return words;
 }
 
-CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums)
+CellHistograms::CellHistograms(Shares prior, std::size_t columns, double prior_picks,
+                               std::span<const std::uint32_t> sums)
     : prior_(std::move(prior)), columns_(columns), prior_picks_(prior_picks), sums_(sums) {
   for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
     const std::uint32_t cells = cells_around(row);
@@ -32,7 +33,7 @@ CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, 
   }
 }
 
-void CellLessons::add(std::uint32_t row, Sums& to) const {
+void CellHistograms::add(std::uint32_t row, Sums& to) const {
   const std::uint32_t* words = row_of(row);
   to.brought.resize(columns_), to.arrived.resize(columns_);
   for (std::size_t c = 0; c < columns_; ++c) {
@@ -42,23 +43,23 @@ void CellLessons::add(std::uint32_t row, Sums& to) const {
   to.picks += words[4 * columns_];
 }
 
-CellLessons::Shares CellLessons::learned(std::uint32_t row) {
+CellHistograms::Shares CellHistograms::trained(std::uint32_t row) {
   const std::uint32_t cells = cells_around(row);
-  const Shares& widest = lesson_of(widest_.at(widest_of(cells)), prior_);
+  const Shares& widest = probabilities_of(widest_.at(widest_of(cells)), prior_);
   Sums own;
   add(row, own);
-  return mix(own, lesson_of(wider_.at(cells), widest));
+  return mix(own, probabilities_of(wider_.at(cells), widest));
 }
 
-const CellLessons::Shares& CellLessons::lesson_of(Sums& wider, const Shares& around) const {
-  if (wider.learned.empty()) wider.learned = mix(wider, around);
-  return wider.learned;
+const CellHistograms::Shares& CellHistograms::probabilities_of(Sums& wider, const Shares& around) const {
+  if (wider.trained.empty()) wider.trained = mix(wider, around);
+  return wider.trained;
 }
 
 // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
 // is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v)
 // m, the geometric mean of both sums.
-CellLessons::Shares CellLessons::mix(const Sums& sums, const Shares& around) const {
+CellHistograms::Shares CellHistograms::mix(const Sums& sums, const Shares& around) const {
   Shares shares(prior_.size(), 0.0);
   double total = 0.0;
   for (std::size_t c = 0; c < columns_; ++c) {

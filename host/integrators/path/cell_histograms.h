@@ -16,25 +16,25 @@ std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row);
 // 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the wider cells around
 // it: 1 + kLightRows * (row of that four times as wide) + row of that sixteen times as wide. Of cells that share a row
 // by chance, all sums teach the wider cells of one. They outlive the lessons.
-class CellLessons {
+class CellHistograms {
 public:
   using Shares = std::vector<double>;
 
   // `prior`: shares without a lesson, which sum to 1; those beyond `columns` cannot be learned. `prior_picks`: as how
   // many picks of a cell's own what is known around it counts.
-  CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums);
+  CellHistograms(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums);
 
   // Rows that the pilot came to, rising.
   std::span<const std::uint32_t> rows() const { return rows_; }
   // What such a row has learned, its few picks filled up by those of the cells around it.
-  Shares learned(std::uint32_t row);
+  Shares trained(std::uint32_t row);
 
 private:
   // Of a cell, or of all cells within a wider one.
   struct Sums {
     std::vector<std::uint64_t> brought, arrived; // by column
     std::uint64_t picks = 0;
-    Shares learned; // empty: not yet asked for
+    Shares trained; // empty: not yet asked for
   };
   using WiderCells = std::unordered_map<std::uint32_t, Sums>;
 
@@ -42,7 +42,7 @@ private:
   std::uint32_t cells_around(std::uint32_t row) const { return row_of(row)[4 * columns_ + 1]; } // 0: no pick
   void add(std::uint32_t row, Sums& to) const;
   Shares mix(const Sums& sums, const Shares& around) const;
-  const Shares& lesson_of(Sums& wider, const Shares& around) const;
+  const Shares& probabilities_of(Sums& wider, const Shares& around) const;
 
   Shares prior_;
   std::size_t columns_;
