@@ -78,7 +78,7 @@ TEST_F(DeviceTest, ThreadsThatLlvmpipeComputesOnAreKeptApart) {
   };
   using namespace std::chrono_literals;
   for (int i = 0; i < 1000 && nameless() > cores + 1; ++i) std::this_thread::sleep_for(10ms); // one that keeps a cache
-  device.settle_workers();
+  device.prepare_workers();
   int kept = 0;
   for (const int thread : threads())
     kept += !before.contains(thread) && sched_getaffinity(thread, sizeof(set), &set) == 0 && CPU_COUNT(&set) == 1;

@@ -384,7 +384,7 @@ double processor_seconds(pid_t process) {
 }
 
 // Of a core; the least of some seconds, as what was begun before may take a while where the machine is busy.
-double settled_share(pid_t process) {
+double busy_fraction_at_rest(pid_t process) {
   double least = 1e9;
   for (int i = 0; i < 4 && !(least < 0.3); ++i) {
     std::this_thread::sleep_for(std::chrono::seconds(1));
@@ -401,7 +401,7 @@ TEST_F(Window, SleepsWhenIdleAndWhenUnseen) {
   window->until([&] { return window->title().find(" spp") != std::string::npos; });
   const std::string id = window->window();
   display_->xdotool({"windowunmap", "--sync", id});
-  const double unseen = settled_share(window->process());
+  const double unseen = busy_fraction_at_rest(window->process());
   EXPECT_LT(unseen, 0.3);
   display_->xdotool({"windowmap", "--sync", id, "windowfocus", "--sync", id});
   const std::string title = window->title();
@@ -410,7 +410,7 @@ TEST_F(Window, SleepsWhenIdleAndWhenUnseen) {
 
   const auto finished = view({"--size", "120x90", "--spp", "2"});
   finished->done();
-  const double idle = settled_share(finished->process());
+  const double idle = busy_fraction_at_rest(finished->process());
   EXPECT_LT(idle, 0.3);
   fmt::print("share of a core: unseen {:.3f}, idle {:.3f}\n", unseen, idle);
   EXPECT_EQ(finished->close(), 0);

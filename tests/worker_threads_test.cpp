@@ -116,7 +116,7 @@ TEST_F(WorkerThreadsTest, EachHasACoreOfItsOwn) {
   WorkerThreads workers, others;
   const Threads made = make_workers(workers, all.size()), made_for_others = make_workers(others, 1);
   const Threads strangers = make_threads(1);
-  workers.settle();
+  workers.prepare();
   EXPECT_TRUE(workers.are_apart());
   Cores taken;
   for (const auto& thread : made) {
@@ -133,7 +133,7 @@ TEST_F(WorkerThreadsTest, EachHasACoreOfItsOwn) {
 TEST_F(WorkerThreadsTest, WhoGivesThemTheirWorkIsFree) {
   WorkerThreads workers;
   const Threads made = make_workers(workers, all.size() + 1);
-  workers.settle();
+  workers.prepare();
   EXPECT_TRUE(workers.are_apart());
   EXPECT_EQ(cores_of(made.front()->id()), all);
   for (std::size_t i = 1; i < made.size(); ++i) EXPECT_EQ(cores_of(made[i]->id()).size(), 1u) << i;
@@ -143,7 +143,7 @@ TEST_F(WorkerThreadsTest, FewerOrMoreThanCoresAreLeftAlone) {
   for (const std::size_t count : {all.size() - 1, all.size() + 2}) {
     WorkerThreads workers;
     const Threads made = make_workers(workers, count);
-    workers.settle();
+    workers.prepare();
     EXPECT_FALSE(workers.are_apart()) << count;
     for (const auto& thread : made) EXPECT_EQ(cores_of(thread->id()), all) << count;
   }
@@ -152,7 +152,7 @@ TEST_F(WorkerThreadsTest, FewerOrMoreThanCoresAreLeftAlone) {
 TEST_F(WorkerThreadsTest, ThoseThatWaitAreFreed) {
   WorkerThreads workers;
   const Threads made = make_workers(workers, all.size());
-  workers.settle();
+  workers.prepare();
   const Threads others = make_threads(2 * all.size()); // of which each core has some to run
   for (const Threads* threads : {&others, &made})
     for (const auto& thread : *threads) thread->start();
@@ -162,7 +162,7 @@ TEST_F(WorkerThreadsTest, ThoseThatWaitAreFreed) {
   std::ifstream("/proc/self/task/" + std::to_string(made.front()->id()) + "/schedstat") >> ran;
   if (ran == 0) GTEST_SKIP() << "the kernel does not tell how long threads wait";
   for (int i = 0; i < 100 && workers.are_apart(); ++i) { // ends at once as a rule; a very busy machine may take longer
-    workers.settle();
+    workers.prepare();
     std::this_thread::sleep_for(100ms);
   }
   EXPECT_FALSE(workers.are_apart());

@@ -74,7 +74,7 @@ WorkerThreads::Making::Making(WorkerThreads& workers) {
 
 WorkerThreads::Making::~Making() { pthread_setname_np(pthread_self(), own_name_); }
 
-void WorkerThreads::settle() {
+void WorkerThreads::prepare() {
   if (!name_.empty())
     keep_apart();
   else if (are_apart() && Clock::now() - looked_ >= kBetweenLooks)

@@ -42,7 +42,7 @@ public:
   // To be called before each piece of work. The first time, keeps the workers on a core each, if they are as many as
   // the cores that the calling thread may use; one more is one that gives them their work, and was made before them.
   // Later, now and then, frees them for good if one waits; where the kernel does not tell, they stay.
-  void settle();
+  void prepare();
 
   bool are_apart() const { return !workers_.empty(); }
 

@@ -81,7 +81,7 @@ public:
 
   // For threads that the driver computes on, if any (host/base/worker_threads.h): to be called before work is
   // submitted.
-  void settle_workers() { workers_.settle(); }
+  void prepare_workers() { workers_.prepare(); }
 
   // Validation errors and warnings of this process so far; each was printed to stderr.
   static std::uint32_t validation_messages();

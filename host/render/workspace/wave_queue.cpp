@@ -27,7 +27,7 @@ WaveQueue::WaveQueue(Workspace& workspace)
 
 void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
   while (in_flight_.size() >= turns_.size()) finish_one();
-  workspace_.device.settle_workers();
+  workspace_.device.prepare_workers();
   Turn& turn = turns_[next_turn_];
   turn.commands.restart(work.timed_dispatches);
   const gpu::Counters none = no_counts();
