@@ -293,7 +293,7 @@ TEST_F(OcclusionTest, SameBitsHoweverTheWorkIsCut) {
   }
 }
 
-TEST(OcclusionSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
+TEST(OcclusionSettings, EveryNameHasATechniqueAndItsSettingsAloneHaveAnEffect) {
   expect_names_of_own(kOcclusionTechniques);
   RenderPlan settings = occlusion_settings("hbao");
   settings.ao_bias = 5.0;

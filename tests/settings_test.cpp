@@ -151,15 +151,17 @@ RenderSettings base_for(const Setting& row) {
   settings.sampler = gpu::kSamplerStratified;
   settings.sample_total = settings.last_sample;
   for (const IntegratorKind* kind : integrators())
-    if (is_taken(row, *kind)) {
+    if (is_supported(row, *kind)) {
       settings.integrator = kind;
       break;
     }
   // A technique to which it means something.
   const auto turn_to = [&](std::uint32_t RenderSettings::*technique, std::size_t count) {
-    const auto means = [&] { return !settings.integrator->means || settings.integrator->means(settings, row.name); };
-    while (!means() && settings.*technique + 1 < count) ++(settings.*technique);
-    if (!means()) settings.*technique = 0;
+    const auto has_effect = [&] {
+      return !settings.integrator->has_effect || settings.integrator->has_effect(settings, row.name);
+    };
+    while (!has_effect() && settings.*technique + 1 < count) ++(settings.*technique);
+    if (!has_effect()) settings.*technique = 0;
   };
   turn_to(&RenderSettings::shadows, kShadowTechniques.names().size());
   turn_to(&RenderSettings::shading, kShadingModels.names().size());
@@ -266,7 +268,7 @@ TEST(Settings, NumbersAreExact) {
   EXPECT_EQ(parsed(line_of(other)).ambient, other.ambient);
 }
 
-TEST(Settings, ARowIsNamedOnceAndListedByWhoTakesIt) {
+TEST(Settings, ARowIsNamedOnceAndListedByWhoSupportsIt) {
   const std::set<std::string_view> kOthers = {"pixel", "shutter"}; // flags of the replay and of the scene
   std::set<std::string_view> names, listed;
   for (const Setting& row : settings_table()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
@@ -276,7 +278,7 @@ TEST(Settings, ARowIsNamedOnceAndListedByWhoTakesIt) {
       EXPECT_TRUE(names.contains(name) || kOthers.contains(name)) << kind->name << " lists " << name;
     }
   for (const Setting& row : settings_table()) {
-    EXPECT_EQ(row.takers != Takers::all, listed.contains(row.name)) << row.name;
+    EXPECT_EQ(row.supported_by != SupportedBy::all, listed.contains(row.name)) << row.name;
     EXPECT_NE(row.offered, 0u) << row.name;
   }
 }

@@ -247,7 +247,7 @@ TEST_F(ShadowTest, RefusesMapsThatDoNotFit) {
   }
 }
 
-TEST(ShadowSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
+TEST(ShadowSettings, EveryNameHasATechniqueAndItsSettingsAloneHaveAnEffect) {
   expect_names_of_own(kShadowTechniques);
   RenderPlan settings = shadow_settings("map");
   EXPECT_NO_THROW(check_shadow_settings(settings));

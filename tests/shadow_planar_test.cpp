@@ -197,8 +197,9 @@ TEST_F(PlanarTest, RefusesScenesWithoutPlanes) {
   add_instance(scene, add_mesh(scene, ball({0, 0, 0}, 0.5f)));
   scene.lights.push_back(sun());
   const PackedScene packed = pack(scene, {.direct = gpu::kDirectNee});
-  EXPECT_NE(unfit(*kShadowTechniques.find(planar_settings()), packed).find("large planes"), std::string::npos);
-  EXPECT_EQ(unfit(*kShadowTechniques.find(planar_settings("projected")), packed),
+  EXPECT_NE(unsupported_reason(*kShadowTechniques.find(planar_settings()), packed).find("large planes"),
+            std::string::npos);
+  EXPECT_EQ(unsupported_reason(*kShadowTechniques.find(planar_settings("projected")), packed),
             ""); // whose cookies shine on everything
 }
 

@@ -91,7 +91,7 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
     compile(compilation, variant, ", generic");
     variant.specialize = true;
     for (const std::string_view setting : kTechniqueSettings) {
-      if (!takes(*kind, setting)) continue;
+      if (!supports(*kind, setting)) continue;
       const Setting& row = setting_named(setting);
       for (const std::string_view name : choices_of(row)) {
         RenderPlan chosen = variant;

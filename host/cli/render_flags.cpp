@@ -81,9 +81,9 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial, row.advanced};
   if (wording && wording->initial) flag.initial = wording->initial;
   const bool by_all =
-      std::ranges::all_of(integrators(), [&](const IntegratorKind* kind) { return is_taken(row, *kind); });
+      std::ranges::all_of(integrators(), [&](const IntegratorKind* kind) { return is_supported(row, *kind); });
   if (!by_all && (setting_named("integrator").offered & command))
-    flag.meaning += fmt::format(". Only with --integrator {}", takers_text(row.name));
+    flag.meaning += fmt::format(". Only with --integrator {}", supporters_text(row.name));
   return flag;
 }
 

@@ -124,7 +124,7 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
   if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))
     bias.emplace_back(
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");
-  if (settings.moving && takes(*settings.integrator, "shutter"))
+  if (settings.moving && supports(*settings.integrator, "shutter"))
     bias.emplace_back(
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
   if (settings.cull == gpu::kCullAll && scene.features & gpu::kFeatureCull)

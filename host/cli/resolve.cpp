@@ -21,9 +21,10 @@
 namespace wavepath {
 namespace {
 
-[[noreturn]] void refuse_not_taken(const std::string& flag, const RenderPlan& settings, const std::string& takers) {
+[[noreturn]] void refuse_unsupported(const std::string& flag, const RenderPlan& settings,
+                                     const std::string& supported_by) {
   throw UsageError(flag, fmt::format("is not taken by --integrator {}", settings.integrator->name),
-                   fmt::format("use --integrator {}, or leave it out", takers));
+                   fmt::format("use --integrator {}, or leave it out", supported_by));
 }
 
 void resolve_devices(RenderRequest& request) {
@@ -129,12 +130,13 @@ void resolve_integrator(RenderRequest& request) {
   const IntegratorKind& automatic = *find_integrator("auto");
   const bool lone_part = is_given(request, "samples") && settings.sample_total == 0;
   const bool refuses_flag = std::ranges::any_of(settings_table(), [&](const Setting& row) {
-    return row.takers == Takers::listed_else_refused && !is_taken(row, automatic) && !is_default(row, settings);
+    return row.supported_by == SupportedBy::listed_else_refused && !is_supported(row, automatic) &&
+           !is_default(row, settings);
   });
   const bool refuses_aov = std::ranges::any_of(settings.aovs, [&](const std::string& aov) {
-    return !aov_takers_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
+    return !aov_supporters_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
   });
-  const bool replays = request.pixel.has_value() && !takes(automatic, "pixel");
+  const bool replays = request.pixel.has_value() && !supports(automatic, "pixel");
   const bool asks_for_path = settings.reuse == kReuseOn; // which other integrators would drop
   if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays || asks_for_path) return;
   settings.integrator = &automatic;
@@ -144,17 +146,18 @@ void check_integrator(const RenderRequest& request) {
   const RenderPlan& settings = request.settings;
   const IntegratorKind& kind = *settings.integrator;
   for (const Setting& row : settings_table())
-    if (row.takers == Takers::listed_else_refused && !is_taken(row, kind) && !is_default(row, settings))
-      refuse_not_taken(fmt::format("--{}", row.name), settings, takers_text(row.name));
+    if (row.supported_by == SupportedBy::listed_else_refused && !is_supported(row, kind) && !is_default(row, settings))
+      refuse_unsupported(fmt::format("--{}", row.name), settings, supporters_text(row.name));
   if (kind.check) kind.check(settings);
   for (const std::string& aov : settings.aovs)
-    if (const std::string takers = aov_takers_text(aov); !takers.empty() && std::ranges::count(kind.aovs, aov) == 0)
-      refuse_not_taken("--aov " + aov, settings, takers);
+    if (const std::string supported_by = aov_supporters_text(aov);
+        !supported_by.empty() && std::ranges::count(kind.aovs, aov) == 0)
+      refuse_unsupported("--aov " + aov, settings, supported_by);
   for (const std::string_view aov : kind.lacks_aovs)
     if (std::ranges::count(settings.aovs, aov) > 0)
       throw UsageError(fmt::format("--aov {}", aov), fmt::format("cannot be told apart by --integrator {}", kind.name),
                        "leave it out, or use --integrator path");
-  if (request.pixel && !takes(kind, "pixel")) refuse_not_taken("--pixel", settings, takers_text("pixel"));
+  if (request.pixel && !supports(kind, "pixel")) refuse_unsupported("--pixel", settings, supporters_text("pixel"));
   if (request.strict && kind.is_biased(settings))
     throw UsageError(fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
                      settings.denoise      ? "leave out --denoise"

@@ -136,9 +136,9 @@ void check_shutter(const SceneRequest& request, RenderPlan& settings) {
   if (!settings.moving) return;
   if (request.load.animation.empty())
     throw UsageError("--shutter", "has no animation to show", "choose one with --animation");
-  if (!takes(*settings.integrator, "shutter"))
+  if (!supports(*settings.integrator, "shutter"))
     throw UsageError("--shutter", fmt::format("cannot be shown by --integrator {}", settings.integrator->name),
-                     fmt::format("use --integrator {}", takers_text("shutter")));
+                     fmt::format("use --integrator {}", supporters_text("shutter")));
 }
 
 std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,

@@ -58,11 +58,11 @@ constexpr std::uint32_t kHighestSeed = 1u << 29; // points add to it, and the re
 void read_dimensions(const FlagValue& value, StudySettings& study) {
   study.vary = value.list(dimensions());
   if (std::ranges::count(study.vary, "integrator") > 0) return;
-  const auto takes_all = [&](const IntegratorKind* kind) {
+  const auto supports_all = [&](const IntegratorKind* kind) {
     return std::ranges::all_of(study.vary,
-                               [&](const std::string& name) { return is_taken(setting_named(name), *kind); });
+                               [&](const std::string& name) { return is_supported(setting_named(name), *kind); });
   };
-  const auto found = std::ranges::find_if(integrators(), takes_all);
+  const auto found = std::ranges::find_if(integrators(), supports_all);
   if (found == integrators().end())
     value.refuse("varies settings that no integrator supports together", "vary the integrator as well");
   study.render.integrator = *found;
@@ -188,9 +188,9 @@ StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, b
 }
 
 // What was left out, by reason.
-void print_unfit(const Study& study) {
+void print_unsupported(const Study& study) {
   std::map<std::string, std::vector<std::string>> names;
-  for (const Unfit& one : study.unfit) names[one.why].push_back(one.name);
+  for (const Unsupported& one : study.unsupported) names[one.why].push_back(one.name);
   for (const auto& [why, of] : names) print_err("wavepath: left out {}: {}\n", fmt::join(of, ", "), why);
 }
 
@@ -235,9 +235,9 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
     });
   }();
   if (study.series.empty())
-    throw Error(request.scene.path, "no configuration could be measured: " + study.unfit.front().why,
+    throw Error(request.scene.path, "no configuration could be measured: " + study.unsupported.front().why,
                 "ask for smaller maps or other techniques, or choose another device");
-  if (!request.quiet) print_unfit(study);
+  if (!request.quiet) print_unsupported(study);
   if (study.series.front().points.empty() && study.lost.empty()) return kExitInterrupted;
   const auto end_if_lost = [&] {
     if (!study.lost.empty())

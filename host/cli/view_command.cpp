@@ -55,7 +55,7 @@ void check_comparison(ViewCommandRequest& request) {
   const bool judges = request.shown == Shown::shadow_error;
   if (!request.comparison.split && !judges) return;
   RenderPlan& settings = request.render.settings;
-  if (!takes(*settings.integrator, "shadows"))
+  if (!supports(*settings.integrator, "shadows"))
     throw UsageError(judges ? "--show shadow-error" : "--split",
                      fmt::format("compares shadow techniques, and --integrator {} has none", settings.integrator->name),
                      "add --integrator hybrid");

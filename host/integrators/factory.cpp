@@ -23,7 +23,7 @@ const IntegratorKind* find_integrator(std::string_view name) {
   return found == integrators().end() ? nullptr : *found;
 }
 
-bool takes(const IntegratorKind& kind, std::string_view setting) {
+bool supports(const IntegratorKind& kind, std::string_view setting) {
   return std::ranges::find(kind.settings, setting) != kind.settings.end();
 }
 

@@ -189,8 +189,8 @@ std::vector<std::string> exceptions_of(const IntegratorChoice& choice) {
 std::string way_text(const RenderPlan& settings) {
   std::string text(settings.integrator->name);
   for (const Setting& row : settings_table())
-    if (row.decides == Decides::picture && row.takers != Takers::all && is_taken(row, *settings.integrator) &&
-        !is_default(row, settings))
+    if (row.decides == Decides::picture && row.supported_by != SupportedBy::all &&
+        is_supported(row, *settings.integrator) && !is_default(row, settings))
       text += " " + flag_text(row, settings);
   return text;
 }

@@ -24,7 +24,7 @@ namespace {
 
 bool is_auto(const RenderPlan& settings, std::string_view name) {
   const Setting& row = setting_named(name);
-  return is_taken(row, *settings.integrator) && text_of(row, settings) == "auto";
+  return is_supported(row, *settings.integrator) && text_of(row, settings) == "auto";
 }
 
 // What a pilot would decide, before it is made.

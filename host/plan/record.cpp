@@ -41,7 +41,7 @@ void complete(std::vector<Decision>& decisions, const RenderPlan& settings, bool
   for (const std::string_view name : kPlanned) {
     const Setting& row = setting_named(name);
     const std::string text = text_of(row, settings);
-    if (is_taken(row, *settings.integrator) && !text.empty()) add(name, text, "as asked, or with another decision");
+    if (is_supported(row, *settings.integrator) && !text.empty()) add(name, text, "as asked, or with another decision");
   }
   if (trains || settings.guide)
     add(kTrainingPathsName, fmt::format("{}", settings.training.paths),

@@ -36,7 +36,7 @@ struct Measured {
 } // namespace
 
 bool may_try_sky(const RenderPlan& settings, bool cpu) {
-  return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
+  return settings.sky_samples == 0 && supports(*settings.integrator, "sky-samples") &&
          is_affordable(kSkyPilot, settings, cpu);
 }
 

@@ -51,7 +51,8 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
-  if (const std::string problem = (*finder)->unfit ? (*finder)->unfit(settings, scene) : ""; !problem.empty())
+  if (const std::string problem = (*finder)->unsupported_reason ? (*finder)->unsupported_reason(settings, scene) : "";
+      !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
   RenderPlan small = small_picture(settings, kLostLightSide, kLostLightSamples);
   small.training.found = shared.light_shares;

@@ -27,8 +27,8 @@ Configuration reduced(const Configuration& full, const RenderPlan& base) {
   Configuration result{{}, base};
   for (const Choice& choice : full.choices) {
     const IntegratorKind& kind = *full.settings.integrator;
-    if (!is_taken(setting_named(choice.dimension), kind)) continue;
-    if (kind.means && !kind.means(full.settings, choice.dimension)) continue;
+    if (!is_supported(setting_named(choice.dimension), kind)) continue;
+    if (kind.has_effect && !kind.has_effect(full.settings, choice.dimension)) continue;
     result.choices.push_back(choice);
     apply(choice, result.settings);
   }

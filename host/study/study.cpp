@@ -55,7 +55,7 @@ public:
       if (!hybrid && own.integrator->finds_light) hybrid = &configuration;
       occlusion |= !own.integrator->finds_light || own.max_depth > 1;
     }
-    if (study_.series.empty()) throw Error("the grid", study_.unfit.front().why, "vary something else");
+    if (study_.series.empty()) throw Error("the grid", study_.unsupported.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
     reference_share_ = varies_shadows_ ? kShadowReferenceShare : kReferenceShare;
     double share = settings_.budget * (reference ? 1.0 : 1.0 - reference_share_);
@@ -72,10 +72,10 @@ public:
       measure_shadows(share);
     else
       measure_all(share / static_cast<double>(study_.series.size()));
-    if (!study_.unfit.empty())
+    if (!study_.unsupported.empty())
       std::erase_if(study_.series, [&](const Series& one) {
         const std::string name = one.configuration.name();
-        return one.points.empty() && std::ranges::count(study_.unfit, name, &Unfit::name) > 0;
+        return one.points.empty() && std::ranges::count(study_.unsupported, name, &Unsupported::name) > 0;
       });
     return std::move(study_);
   }
@@ -84,12 +84,14 @@ private:
   // Whether its integrator can render this scene so; otherwise the study says why not.
   bool fits(const Configuration& configuration) {
     const RenderPlan& settings = configuration.settings;
-    const std::string why =
-        settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed_for(settings)) : "";
+    const std::string why = settings.integrator->unsupported_reason
+                                ? settings.integrator->unsupported_reason(settings, scene_.packed_for(settings))
+                                : "";
     if (why.empty()) return true;
     const std::string technique(configuration.value_of("shadows")); // whatever the size of its maps
     const std::string name = technique.empty() ? configuration.name() : technique;
-    if (std::ranges::count(study_.unfit, name, &Unfit::name) == 0) study_.unfit.push_back({name, why});
+    if (std::ranges::count(study_.unsupported, name, &Unsupported::name) == 0)
+      study_.unsupported.push_back({name, why});
     return false;
   }
 
@@ -112,7 +114,7 @@ private:
     settings.last_sample = 1u << octave;
     settings.seed = settings_.render.seed + octave;
     const PackedScene& scene = scene_.packed_for(settings);
-    if (!settings.integrator->unfit(settings, scene).empty()) return {};
+    if (!settings.integrator->unsupported_reason(settings, scene).empty()) return {};
     return render_one(settings, light_kernels_, "the truth of shadows").picture;
   }
 
@@ -260,7 +262,7 @@ private:
       if (study_.interrupted) return;
       const double frame = series.points.front().seconds / series.points.front().spp;
       if (frame > kMostOfBudget * budget && !fitting.empty()) {
-        study_.unfit.push_back(
+        study_.unsupported.push_back(
             {series.configuration.name(), fmt::format("takes {:.1f} s a frame: too much of --budget", frame)});
         series.points.clear();
         continue;
@@ -299,7 +301,7 @@ private:
       study_.lost = lost.what();
       study_.interrupted = true;
     } catch (const std::exception& failure) {
-      study_.unfit.push_back({series.configuration.name(), failure_text(failure)});
+      study_.unsupported.push_back({series.configuration.name(), failure_text(failure)});
     }
     return false;
   }

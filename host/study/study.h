@@ -102,7 +102,7 @@ struct FirstHits {
 };
 
 // A configuration that cannot render this scene.
-struct Unfit {
+struct Unsupported {
   std::string name, why;
 };
 
@@ -111,7 +111,7 @@ struct Study {
   std::optional<StudyReference> occlusion; // of ambient occlusion alone, where the grid has any
   std::optional<FirstHits> first_hits;     // where the grid has hybrid configurations
   std::vector<Series> series;              // the naive configuration first
-  std::vector<Unfit> unfit;
+  std::vector<Unsupported> unsupported;
   bool interrupted = false;
   std::string lost; // what ended it, if that was the device
 

@@ -51,7 +51,7 @@ std::string told_flags(const RenderPlan& settings, const Configuration* varied) 
   std::string flags;
   for (const char* name : {"integrator", "sky-samples", "reuse", "adaptive"}) {
     const Setting& row = setting_named(name);
-    if (is_taken(row, *told.integrator) && !(varied && !varied->value_of(name).empty()))
+    if (is_supported(row, *told.integrator) && !(varied && !varied->value_of(name).empty()))
       flags += " " + flag_text(row, told);
   }
   return flags;
@@ -139,9 +139,9 @@ Json shadows_json(const StudyPoint& point) {
   return result;
 }
 
-Json unfit_json(const Study& study) {
+Json unsupported_json(const Study& study) {
   Json list = Json::array();
-  for (const Unfit& one : study.unfit) list.push_back({{"configuration", one.name}, {"why", one.why}});
+  for (const Unsupported& one : study.unsupported) list.push_back({{"configuration", one.name}, {"why", one.why}});
   return list;
 }
 
@@ -294,7 +294,7 @@ Json study_document(const StudyRecord& record) {
           {"error_map", {{"metric", "FLIP"}, {"brightest", pictures.brightest}}},
           {"equal_time", equal_time_json(study, table)},
           {"equal_error", equal_error_json(study)},
-          {"unfit", unfit_json(study)},
+          {"unfit", unsupported_json(study)},
           {"configurations", series}};
 }
 

@@ -122,7 +122,7 @@ void show_shadows(PanelState& state, const PanelFacts& facts) {
 
 // A window filters frames; the filter of finished pictures is not for it.
 bool is_shown(const Setting& row, const IntegratorKind& kind) {
-  return row.label && is_taken(row, kind) && !(row.name == "denoise" && kind.traces_paths);
+  return row.label && is_supported(row, kind) && !(row.name == "denoise" && kind.traces_paths);
 }
 
 // The widget of a setting, by the kind of its value. True if it was changed.
@@ -218,7 +218,7 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     ImGui::TextDisabled("%s", facts.device.c_str());
     show_statistics(state, facts);
     if (section("picture")) show_view(state);
-    if (takes(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
+    if (supports(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
     if (section("light transport")) show_transport(state, wishes);
     if (facts.sets_environment && section("environment", false)) show_environment(state, wishes);
     if (section("camera")) show_cameras(facts, wishes);

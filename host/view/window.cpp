@@ -400,7 +400,7 @@ void Viewer::write(const std::string& path) {
 
 bool Viewer::compares() const {
   return (panel_.comparison.split || panel_.display.shown == Shown::shadow_error) &&
-         takes(*panel_.settings.integrator, "shadows");
+         supports(*panel_.settings.integrator, "shadows");
 }
 
 void Viewer::make_comparison() {

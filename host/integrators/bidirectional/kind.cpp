@@ -70,7 +70,8 @@ constinit const IntegratorKind kBidirectional = {
     .light_training_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
-    .unfit = [](const RenderPlan&, const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
+    .unsupported_reason = [](const RenderPlan&,
+                             const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

@@ -142,7 +142,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
       fmt::format("light of {} has no shadows, and their ambient term no occlusion "
                   "(--transparency {})",
                   kind->subject, kind->name));
-  if (kTransparencyTechniques.takes(settings, "transparency-layers"))
+  if (kTransparencyTechniques.supports(settings, "transparency-layers"))
     bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
                                settings.transparency_layers));
 }
@@ -221,9 +221,9 @@ bool has_biased_frames(const RenderPlan& settings) {
          kAntialiasTechniques.find(settings)->is_biased;
 }
 
-std::string unfit_shadows(const RenderPlan& settings, const PackedScene& scene) {
+std::string unsupported_shadows_reason(const RenderPlan& settings, const PackedScene& scene) {
   const ShadowKind* shadows = kShadowTechniques.find(settings);
-  return shadows ? unfit(*shadows, scene) : "";
+  return shadows ? unsupported_reason(*shadows, scene) : "";
 }
 
 std::vector<std::string> ao_bias(const RenderPlan& settings, const RenderResult&) {
@@ -279,9 +279,9 @@ void check(const RenderPlan& settings) {
   check_transparency_settings(settings);
 }
 
-bool means(const RenderPlan& settings, std::string_view setting) {
-  return kShadowTechniques.takes(settings, setting) && kOcclusionTechniques.takes(settings, setting) &&
-         kShadingModels.takes(settings, setting) && kTransparencyTechniques.takes(settings, setting);
+bool has_effect(const RenderPlan& settings, std::string_view setting) {
+  return kShadowTechniques.supports(settings, setting) && kOcclusionTechniques.supports(settings, setting) &&
+         kShadingModels.supports(settings, setting) && kTransparencyTechniques.supports(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -299,8 +299,8 @@ constinit const IntegratorKind kHybrid = {
     .first_hit_stages = kFirstHitStages,
     .rows = technique_rows,
     .check = check,
-    .means = means,
-    .unfit = unfit_shadows,
+    .has_effect = has_effect,
+    .unsupported_reason = unsupported_shadows_reason,
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
@@ -330,8 +330,8 @@ constinit const IntegratorKind kAo = {
     .walks_light_tree = false,
     .first_hit_stages = kFirstHitStages,
     .check = check_frame_settings,
-    .means = [](const RenderPlan& settings,
-                std::string_view setting) { return kOcclusionTechniques.takes(settings, setting); },
+    .has_effect = [](const RenderPlan& settings,
+                     std::string_view setting) { return kOcclusionTechniques.supports(settings, setting); },
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,

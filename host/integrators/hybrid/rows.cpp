@@ -21,7 +21,7 @@ std::vector<Setting> technique_rows() {
     for (Setting row : part) {
       row.group = group;
       row.advanced = true;
-      row.takers = Takers::listed_else_refused;
+      row.supported_by = SupportedBy::listed_else_refused;
       row.offered = kByRender | kByView;
       rows.push_back(std::move(row));
     }

@@ -49,7 +49,8 @@ constinit const IntegratorKind kWhitted = {
     .walks_light_tree = false,
     .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
-    .unfit = [](const RenderPlan&, const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
+    .unsupported_reason = [](const RenderPlan&,
+                             const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

@@ -17,8 +17,9 @@ bool same_render(const RenderPlan& a, const RenderPlan& b) {
       a.first_sample != b.first_sample || a.last_sample != b.last_sample)
     return false;
   return std::ranges::all_of(settings_table(), [&](const Setting& row) {
-    const bool means = is_taken(row, *a.integrator) && (!a.integrator->means || a.integrator->means(a, row.name));
-    return !means || row.decides == Decides::nothing || text_of(row, a) == text_of(row, b);
+    const bool has_effect =
+        is_supported(row, *a.integrator) && (!a.integrator->has_effect || a.integrator->has_effect(a, row.name));
+    return !has_effect || row.decides == Decides::nothing || text_of(row, a) == text_of(row, b);
   });
 }
 
@@ -32,7 +33,7 @@ ShadowComparison::ShadowComparison(Progressive& shown, std::uint32_t against) : 
   truth_ = shown.beside(truth_settings());
   const RenderPlan light = light_settings();
   const IntegratorKind& kind = *light.integrator;
-  if (!kind.unfit || kind.unfit(light, shown.scene()).empty()) light_ = shown.beside(light);
+  if (!kind.unsupported_reason || kind.unsupported_reason(light, shown.scene()).empty()) light_ = shown.beside(light);
 }
 
 // Techniques answer light samples alone: the truth estimates direct light as `shown` does, so that shadows alone

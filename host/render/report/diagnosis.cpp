@@ -42,9 +42,9 @@ bool is_trusted(const RenderResult& result) {
 
 std::string firefly_remedy(const RenderPlan& settings, const PackedScene& scene) {
   const IntegratorKind& kind = *settings.integrator;
-  if (takes(kind, "direct") && settings.direct != gpu::kDirectMis) return "try --direct mis";
+  if (supports(kind, "direct") && settings.direct != gpu::kDirectMis) return "try --direct mis";
   const auto fits = [&](const IntegratorKind* other) {
-    return other->splats && (!other->unfit || other->unfit(settings, scene).empty());
+    return other->splats && (!other->unsupported_reason || other->unsupported_reason(settings, scene).empty());
   };
   const auto finder = std::ranges::find_if(integrators(), fits);
   if (!kind.splats && kind.finds_light && finder != integrators().end() && has_smooth_surface(scene))
@@ -52,7 +52,7 @@ std::string firefly_remedy(const RenderPlan& settings, const PackedScene& scene)
         "try --integrator {}, without flags of {} alone: it follows light from lamps through glass and "
         "off mirrors",
         (*finder)->name, kind.name);
-  if (takes(kind, "guide") && !settings.guide) return "try --guide, which learns where light comes from";
+  if (supports(kind, "guide") && !settings.guide) return "try --guide, which learns where light comes from";
   return "look for small bright lights that are only found by chance";
 }
 

@@ -6,7 +6,7 @@ namespace wavepath {
 
 bool is_adaptive(const RenderPlan& settings) {
   const bool tries = settings.adaptive == kAdaptiveAuto && settings.looks_for_noise;
-  return takes(*settings.integrator, "adaptive") && (tries || settings.adaptive == kAdaptiveOn);
+  return supports(*settings.integrator, "adaptive") && (tries || settings.adaptive == kAdaptiveOn);
 }
 
 } // namespace wavepath

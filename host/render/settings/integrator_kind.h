@@ -56,9 +56,9 @@ struct IntegratorKind {
   // Throws UsageError where values of its settings do not go together; null = they always do.
   void (*check)(const RenderPlan& settings) = nullptr;
   // Whether a setting that it takes means something beside the others; null = it does.
-  bool (*means)(const RenderPlan& settings, std::string_view setting) = nullptr;
+  bool (*has_effect)(const RenderPlan& settings, std::string_view setting) = nullptr;
   // Why it cannot render this scene so; empty = it can. Null = it can render any.
-  std::string (*unfit)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
+  std::string (*unsupported_reason)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
   // kFeature bits of its kernels, besides those of the scene and of RenderPlan::adaptive.
   gpu::Feature (*features)(const RenderPlan& settings) = nullptr;
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
@@ -100,6 +100,6 @@ const IntegratorKind& default_integrator();
 const IntegratorKind* find_integrator(std::string_view name);
 
 // Whether a setting that not all integrators take is one of this one's.
-bool takes(const IntegratorKind& kind, std::string_view setting);
+bool supports(const IntegratorKind& kind, std::string_view setting);
 
 } // namespace wavepath

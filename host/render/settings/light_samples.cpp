@@ -6,15 +6,15 @@
 
 namespace wavepath {
 std::uint32_t light_samples_of(const RenderPlan& settings, gpu::Feature scene) {
-  if (!takes(*settings.integrator, "light-samples") || settings.direct == gpu::kDirectBsdf) return 1;
+  if (!supports(*settings.integrator, "light-samples") || settings.direct == gpu::kDirectBsdf) return 1;
   if (settings.light_samples > 0) return settings.light_samples;
   if (!(scene & gpu::kFeatureEnvironmentMap)) return 1;
   return scene & (gpu::kLobesLayered | gpu::kFeatureLightTree) ? kFewLightSamplesOfMaps : kLightSamplesOfMaps;
 }
 
 bool may_share_sky(const RenderPlan& settings, gpu::Feature scene) {
-  return takes(*settings.integrator, "sky-samples") && settings.direct == gpu::kDirectMis && settings.max_depth > 0 &&
-         (scene & gpu::kFeatureEnvironment) &&
+  return supports(*settings.integrator, "sky-samples") && settings.direct == gpu::kDirectMis &&
+         settings.max_depth > 0 && (scene & gpu::kFeatureEnvironment) &&
          !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes | gpu::kLobeScattering));
 }
 

@@ -5,7 +5,7 @@
 namespace wavepath {
 
 bool may_reuse_paths(const RenderPlan& settings) {
-  return takes(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
+  return supports(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
          settings.hemisphere == gpu::kHemisphereCosine;
 }
 

@@ -54,7 +54,7 @@ struct Registry {
   }
 
   // Whether a setting means something to the technique chosen; one that no technique lists always does.
-  bool takes(const RenderPlan& settings, std::string_view name) const {
+  bool supports(const RenderPlan& settings, std::string_view name) const {
     const auto lists = [&](const Kind* row) {
       return std::ranges::count(row->settings, name) > 0 || std::ranges::count(common, name) > 0;
     };
@@ -66,7 +66,7 @@ struct Registry {
   void check(const RenderPlan& settings) const {
     if (const Kind* row = find(settings); row && row->check) row->check(settings);
     for (const Setting& other : settings_table())
-      if (!is_default(other, settings) && !takes(settings, other.name))
+      if (!is_default(other, settings) && !supports(settings, other.name))
         throw UsageError(fmt::format("--{}", other.name),
                          fmt::format("is not taken by --{} {}", setting, name(settings)), "leave it out");
   }

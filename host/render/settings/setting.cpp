@@ -131,15 +131,15 @@ std::uint32_t number_of(const WholeValue& value, const RenderSettings& settings)
   return number == 0 && value.instead_of_0 ? settings.*value.instead_of_0 : number;
 }
 
-bool is_taken(const Setting& setting, const IntegratorKind& kind) {
-  return setting.takers == Takers::all || takes(kind, setting.name);
+bool is_supported(const Setting& setting, const IntegratorKind& kind) {
+  return setting.supported_by == SupportedBy::all || supports(kind, setting.name);
 }
 
-std::string takers_text(std::string_view setting) {
-  return names_text([&](const IntegratorKind& kind) { return takes(kind, setting); });
+std::string supporters_text(std::string_view setting) {
+  return names_text([&](const IntegratorKind& kind) { return supports(kind, setting); });
 }
 
-std::string aov_takers_text(std::string_view aov) {
+std::string aov_supporters_text(std::string_view aov) {
   return names_text([&](const IntegratorKind& kind) { return std::ranges::count(kind.aovs, aov) > 0; });
 }
 

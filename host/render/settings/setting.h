@@ -77,7 +77,7 @@ enum class SettingGroup {
 
 // Which integrators take a setting: all, or those whose IntegratorKind::settings lists its name. The others refuse it
 // where it would change what the picture shows, and ignore it where it would change the noise alone.
-enum class Takers { all, listed_else_refused, listed_else_ignored };
+enum class SupportedBy { all, listed_else_refused, listed_else_ignored };
 
 // What a setting decides: nothing that is kept (speed, end of the render), which channels there are, or the values of
 // the picture. Channels and values belong to the identity, values to the command that repeats a picture.
@@ -94,7 +94,7 @@ struct Setting {
   std::string initial{};     // the default in words, where its value does not say it
   SettingGroup group = SettingGroup::transport;
   bool advanced = false; // for experts: --help leaves it out, --help-all shows it
-  Takers takers = Takers::all;
+  SupportedBy supported_by = SupportedBy::all;
   Decides decides = Decides::picture;
   unsigned offered = 0;
   bool always_copied = false;            // tell it in copied commands even where it is the default
@@ -116,9 +116,9 @@ bool is_default(const Setting& setting, const RenderSettings& settings);
 std::vector<std::string_view> choices_of(const Setting& setting);
 std::uint32_t number_of(const WholeValue& value, const RenderSettings& settings);
 
-bool is_taken(const Setting& setting, const IntegratorKind& kind);
+bool is_supported(const Setting& setting, const IntegratorKind& kind);
 // "hybrid or ao": the integrators that list a setting, or that know an AOV besides those of all.
-std::string takers_text(std::string_view setting);
-std::string aov_takers_text(std::string_view aov);
+std::string supporters_text(std::string_view setting);
+std::string aov_supporters_text(std::string_view aov);
 
 } // namespace wavepath

@@ -45,7 +45,7 @@ std::vector<std::string_view> rare_aovs() {
 std::string aov_meaning() {
   std::string text = fmt::format("extra EXR channels, separated by commas: {}", fmt::join(kCommonAovs, ", "));
   for (const std::string_view name : rare_aovs())
-    text += fmt::format(". {}: only with --integrator {}", name, aov_takers_text(name));
+    text += fmt::format(". {}: only with --integrator {}", name, aov_supporters_text(name));
   return text;
 }
 
@@ -144,7 +144,7 @@ std::vector<Setting> lens_rows() {
   };
   for (Setting& row : rows) {
     row.group = SettingGroup::lens;
-    row.takers = Takers::listed_else_refused;
+    row.supported_by = SupportedBy::listed_else_refused;
     row.offered = kByAll;
   }
   return rows;
@@ -198,7 +198,7 @@ std::vector<Setting> transport_rows() {
                   "importance sampling",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "direct light",
        .study = {"bsdf", "nee", "mis"}},
@@ -210,7 +210,7 @@ std::vector<Setting> transport_rows() {
                   "learned under an environment map or with many lights in many places, else power",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "choice of lights"},
       {.name = "light-samples",
@@ -221,7 +221,7 @@ std::vector<Setting> transport_rows() {
            kLightSamplesOfMaps, kFewLightSamplesOfMaps),
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "light samples",
        .study = {"1", "2", "4", "8"}},
@@ -233,7 +233,7 @@ std::vector<Setting> transport_rows() {
                   "1. At most 9 less the light samples",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "sky samples",
        .study = {"1", "2", "4", "8"}},
@@ -244,7 +244,7 @@ std::vector<Setting> transport_rows() {
                   "gain. --reuse alone means on",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .offered = kByRenderAndView | kByBench,
        .label = "reuse of paths",
        .study = {"off", "on"},
@@ -255,14 +255,14 @@ std::vector<Setting> transport_rows() {
        .meaning = "distribution of diffuse directions",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .study = {"uniform", "cosine"}},
       {.name = "guide",
        .value = SwitchValue{&S::guide},
        .meaning = "path guiding: a pilot learns where light comes from, and paths go there more often. Where it "
                   "promises no gain, paths stay unguided. Unbiased: the pilot's samples are discarded",
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .offered = kByRender,
        .study = {"off", "on"}},
       {.name = "max-depth",
@@ -301,7 +301,7 @@ std::vector<Setting> transport_rows() {
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
        .meaning = "start of rays that leave a coarse mesh with smooth normals. facets: the triangles of the file, "
                   "which may show hard lines where light grazes. smooth: the smooth surface that they stand for",
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .offered = kByAll},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
@@ -363,7 +363,7 @@ std::vector<Setting> stop_rows() {
                   "of a render. --adaptive alone means on",
        .group = SettingGroup::decisions,
        .advanced = true,
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .offered = kByRender},
   };
 }
@@ -377,7 +377,7 @@ std::vector<Setting> special_rows() {
                   "cards, which rasterize slowly",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .label = "first hits",
        .study = {"raster", "traced"}},
       {.name = "shadow-samples",
@@ -386,7 +386,7 @@ std::vector<Setting> special_rows() {
        .placeholder = "N",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .label = "shadow rays",
        .study = {"1", "4", "16"}},
       {.name = "ao-samples",
@@ -396,7 +396,7 @@ std::vector<Setting> special_rows() {
        .placeholder = "N",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_ignored,
+       .supported_by = SupportedBy::listed_else_ignored,
        .label = "occlusion rays",
        .study = {"1", "4", "16"}},
       {.name = "ao-radius",
@@ -406,7 +406,7 @@ std::vector<Setting> special_rows() {
        .initial = "a tenth of the scene's radius; 0 for --integrator ao with rays",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_refused},
+       .supported_by = SupportedBy::listed_else_refused},
       {.name = "ambient",
        .value = RadianceValue{&S::ambient, kMostRadiance},
        .meaning = "radiance that stands for all light of more than one bounce. --max-depth 1 leaves it out",
@@ -414,14 +414,14 @@ std::vector<Setting> special_rows() {
        .initial = "hybrid: estimated from the direct light in the picture; whitted: black",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_refused},
+       .supported_by = SupportedBy::listed_else_refused},
       {.name = "branching",
        .value = ChoiceValue{&S::branching, kBranchingNames},
        .meaning =
            "rays that follow at mirrors and glass. tree: reflection and refraction. choice: one of them, at random",
        .group = SettingGroup::others,
        .advanced = true,
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .label = "branching",
        .study = {"tree", "choice"}},
       {.name = "techniques",
@@ -432,7 +432,7 @@ std::vector<Setting> special_rows() {
        .initial = "all",
        .group = SettingGroup::others,
        .advanced = true,
-       .takers = Takers::listed_else_refused},
+       .supported_by = SupportedBy::listed_else_refused},
       {.name = "cutoff",
        .value = NumberValue{&S::cutoff, 0.0, 1.0},
        .meaning = "weight up to which rays are not followed. 0: all are followed",
@@ -440,14 +440,14 @@ std::vector<Setting> special_rows() {
        .initial = "0.00390625 (1/256)",
        .group = SettingGroup::others,
        .advanced = true,
-       .takers = Takers::listed_else_refused},
+       .supported_by = SupportedBy::listed_else_refused},
       {.name = "mips",
        .value = OnOffValue{&S::mips},
        .meaning = "mip levels of textures, in frames of one sample per pixel and in a window while the camera moves. "
                   "They keep distant textures calm, and are biased. Renders of more samples never use them",
        .group = SettingGroup::hybrid,
        .advanced = true,
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .identity = [](const S& s) { return std::string(uses_mips(s) ? "on, for one sample"
                                                        : s.mips     ? "on"
                                                                     : "off"); }},
@@ -458,7 +458,7 @@ std::vector<Setting> special_rows() {
                   "Open Image Denoise, if it is installed",
        .placeholder = "[oidn]",
        .group = SettingGroup::picture,
-       .takers = Takers::listed_else_refused,
+       .supported_by = SupportedBy::listed_else_refused,
        .label = "denoise",
        .study = {"off", "on"},
        // Filters of finished pictures change no sum of the film.
@@ -494,7 +494,7 @@ std::string flags_of(const RenderSettings& settings) {
   std::string flags;
   for (const Setting& row : settings_table()) {
     const bool copied = row.always_copied || (row.decides == Decides::picture && !is_default(row, settings));
-    if (!copied || !is_taken(row, *settings.integrator)) continue;
+    if (!copied || !is_supported(row, *settings.integrator)) continue;
     if (const std::string flag = flag_text(row, settings); !flag.empty()) flags += " " + flag;
   }
   return flags;

@@ -6,8 +6,8 @@
 namespace wavepath {
 
 std::uint32_t direct_of(const RenderPlan& settings) {
-  const bool answered = settings.shadows != kShadowsTraced && takes(*settings.integrator, "shadows");
-  const bool local = settings.shading != kShadingGltf && takes(*settings.integrator, "shading");
+  const bool answered = settings.shadows != kShadowsTraced && supports(*settings.integrator, "shadows");
+  const bool local = settings.shading != kShadingGltf && supports(*settings.integrator, "shading");
   return (answered || local) && settings.direct == gpu::kDirectMis ? gpu::kDirectNee : settings.direct;
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kStackStep = 64;
 
 std::uint32_t lens_of(const RenderPlan& settings) {
-  if (!(settings.lens.aperture > 0.0) || !takes(*settings.integrator, "aperture")) return gpu::kLensPinhole;
+  if (!(settings.lens.aperture > 0.0) || !supports(*settings.integrator, "aperture")) return gpu::kLensPinhole;
   return settings.lens.blades > 0 ? settings.lens.blades : gpu::kLensDisc;
 }
 
@@ -54,14 +54,14 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t probing =
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
-  const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;
   // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
   const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
   const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
                              : escapes                        ? gpu::kSortEscapes
                                                               : gpu::kSortHits;
   const std::uint32_t terminator =
-      takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
+      supports(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   return {features,
           stack,
           settings.sampler,
@@ -90,7 +90,7 @@ gpu::Feature features_of(const RenderPlan& settings) {
 }
 
 bool walks_light_tree(const RenderPlan& settings) {
-  const bool connects = !takes(*settings.integrator, "techniques") || settings.techniques & gpu::kTechniqueLight;
+  const bool connects = !supports(*settings.integrator, "techniques") || settings.techniques & gpu::kTechniqueLight;
   return settings.integrator->walks_light_tree && settings.lights != gpu::kLightsPower && connects;
 }
 

@@ -43,7 +43,7 @@ LightCover light_cover(const ShadowKind& kind, const PackedScene& scene) {
   return cover;
 }
 
-std::string unfit(const ShadowKind& kind, const PackedScene& scene) {
+std::string unsupported_reason(const ShadowKind& kind, const PackedScene& scene) {
   const LightCover cover = light_cover(kind, scene);
   if (!cover.covered.empty()) return kind.refusal ? kind.refusal(scene) : "";
   return fmt::format("is for {}, and this scene has {}", names_of(kind.sources),
@@ -51,7 +51,7 @@ std::string unfit(const ShadowKind& kind, const PackedScene& scene) {
 }
 
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene) {
-  if (const std::string problem = unfit(kind, scene); !problem.empty())
+  if (const std::string problem = unsupported_reason(kind, scene); !problem.empty())
     throw Error(fmt::format("--shadows {}", kind.name), problem, "use --shadows traced");
   return light_cover(kind, scene).covered;
 }

@@ -22,7 +22,7 @@ struct LightCover {
 };
 LightCover light_cover(const ShadowKind& kind, const PackedScene& scene);
 // Why the technique has nothing to do in this scene; empty if it has.
-std::string unfit(const ShadowKind& kind, const PackedScene& scene);
+std::string unsupported_reason(const ShadowKind& kind, const PackedScene& scene);
 // Throws Error if there are none.
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene);
 
