@@ -35,12 +35,12 @@ constexpr float kMinSharedPart = 0.01f;
 
 // A node to be built, over the primitives [begin, end) of one of the two buffers. Copies may fill them up to `room`.
 struct Work {
-  std::uint32_t node, begin, end, room, depth;
+  std::uint32_t node, begin, end, capacity, depth;
   Bound bound, centroids;
   Primitive *primitives, *scratch; // both hold the whole set
 
   std::uint32_t count() const { return end - begin; }
-  std::uint32_t spare() const { return room - end; }
+  std::uint32_t spare() const { return capacity - end; }
   std::span<Primitive> items() const { return {primitives + begin, count()}; }
 };
 
@@ -207,7 +207,7 @@ constexpr double kSharedByCount = 0.0625;
 template <class LeftPart>
 std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_t right_count,
                         const LeftPart& left_part) {
-  const std::uint32_t spare = work.room - work.begin - left_count - right_count;
+  const std::uint32_t spare = work.capacity - work.begin - left_count - right_count;
   if (spare == 0) return work.begin + left_count;
   struct Slack {
     double left = 0.0, all = 0.0;
@@ -242,7 +242,7 @@ std::pair<Work, Work> divide(const Work& work, const Slabs& slabs, const Cut& cu
     scatter_parallel(work, slabs, cut, sides);
   return {{0, work.begin, work.begin + cut.left_count, middle, work.depth + 1, cut.left, sides.centroids[0],
            work.scratch, work.primitives},
-          {0, middle, middle + right_count, work.room, work.depth + 1, cut.right, sides.centroids[1], work.scratch,
+          {0, middle, middle + right_count, work.capacity, work.depth + 1, cut.right, sides.centroids[1], work.scratch,
            work.primitives}};
 }
 
@@ -257,7 +257,7 @@ bool Builder::divide_space(const Work& work, const Slabs& slabs, const SpatialCu
   };
   const std::uint32_t middle = middle_of(work, cut.left_count, cut.right_count, left_part);
   Work left{0, work.begin, work.begin, middle, work.depth + 1, {}, {}, work.scratch, work.primitives};
-  Work right{0, middle, middle, work.room, work.depth + 1, {}, {}, work.scratch, work.primitives};
+  Work right{0, middle, middle, work.capacity, work.depth + 1, {}, {}, work.scratch, work.primitives};
   const auto put = [](Work& side, const Primitive& item) {
     side.primitives[side.end++] = item;
     side.bound.merge(item.bound);
@@ -286,7 +286,7 @@ std::pair<Work, Work> halve(const Work& work) {
     });
   const std::uint32_t middle = work.begin + half;
   Work left{0, work.begin, middle, middle, work.depth + 1, {}, {}, work.primitives, work.scratch};
-  Work right{0, middle, work.end, work.room, work.depth + 1, {}, {}, work.primitives, work.scratch};
+  Work right{0, middle, work.end, work.capacity, work.depth + 1, {}, {}, work.primitives, work.scratch};
   grow(left.items(), left.bound, left.centroids);
   grow(right.items(), right.bound, right.centroids);
   return {left, right};
@@ -346,7 +346,7 @@ std::uint32_t Builder::build_small(const Work& work, NodePool& pool) {
 
 std::uint32_t Builder::build(const Work& work) {
   if (work.count() < kTaskSize) {
-    NodePool pool{0, 0, 2 * (work.room - work.begin) - 2};
+    NodePool pool{0, 0, 2 * (work.capacity - work.begin) - 2};
     return build_small(work, pool);
   }
   const Slabs slabs = slabs_of(work, config);
@@ -384,27 +384,28 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
   // Pages that are never written take no memory, in any of these.
   const bool splits = config.quality != Quality::fast && !triangles.empty();
   const double spare = splits ? config.max_copies * static_cast<double>(given) : 0.0;
-  std::size_t room = std::min(given + static_cast<std::size_t>(spare), std::max(given, kMaxItems));
-  const auto primitives = make_array<Primitive>(room);
+  std::size_t capacity = std::min(given + static_cast<std::size_t>(spare), std::max(given, kMaxItems));
+  const auto primitives = make_array<Primitive>(capacity);
   const PrimitiveList list =
       triangles.empty() ? list_primitives(boxes, primitives.get()) : list_primitives(triangles, primitives.get());
   report.dropped -= list.count;
   if (list.count == 0) return tree;
   report.box = list.bound.box();
   if (splits)
-    room = std::min(list.count + static_cast<std::size_t>(config.max_copies * static_cast<double>(list.count)), room);
+    capacity =
+        std::min(list.count + static_cast<std::size_t>(config.max_copies * static_cast<double>(list.count)), capacity);
   else
-    room = list.count;
+    capacity = list.count;
 
   if (splits) set_slacks({primitives.get(), list.count}, triangles, config, list.bound);
-  const auto scratch = make_array<Primitive>(room);
-  tree.order = make_array<std::uint32_t>(room);
-  tree.capacity = 2 * room; // the second is not used
+  const auto scratch = make_array<Primitive>(capacity);
+  tree.order = make_array<std::uint32_t>(capacity);
+  tree.capacity = 2 * capacity; // the second is not used
   tree.nodes = make_array<BinaryNode>(tree.capacity);
   const Work root{0,
                   0,
                   static_cast<std::uint32_t>(list.count),
-                  static_cast<std::uint32_t>(room),
+                  static_cast<std::uint32_t>(capacity),
                   0,
                   list.bound,
                   list.centroids,

@@ -109,13 +109,13 @@ struct Layout {
     tree.depth = std::max(tree.depth, depth);
     for (std::uint32_t slot = 0; slot < inner; ++slot) {
       if (depth + 1 == kPartDepth && !parts.empty())
-        leave_room(node.first_child + slot);
+        leave_gap(node.first_child + slot);
       else
         place(gather_children(binary.nodes.get(), family.members[slot]), node.first_child + slot, depth + 1);
     }
   }
 
-  void leave_room(std::uint32_t root) {
+  void leave_gap(std::uint32_t root) {
     const WideTree& part = parts[places.size()];
     places.push_back(
         {root, static_cast<std::uint32_t>(tree.nodes.size()), static_cast<std::uint32_t>(tree.order.size())});

@@ -330,9 +330,9 @@ TEST_F(ErrorProbesRender, ByQuadsThePictureAndItsErrorAreTheSame) {
 // Kernels made for error probes serve another render until its own are ready.
 TEST_F(ErrorProbesRender, TheirKernelsRenderSplitReplicatesAsWell) {
   const RenderPlan settings = split(settings_of(43, 37, 4));
-  RenderPlan with_room = settings;
-  with_room.kernels.has_probes = true;
-  EXPECT_TRUE(*render(with_room).film == *render(settings).film);
+  RenderPlan with_capacity = settings;
+  with_capacity.kernels.has_probes = true;
+  EXPECT_TRUE(*render(with_capacity).film == *render(settings).film);
 }
 
 TEST_F(ErrorProbesRender, FilmsJoinWithoutLoss) {

@@ -129,7 +129,7 @@ TEST_F(LightSamples, EachIsAShadowRay) {
 }
 
 // Takes the room of its queues, and no more where one sample is taken.
-TEST_F(LightSamples, TakesRoomForItsQueues) {
+TEST_F(LightSamples, ReservesItsQueues) {
   const gpu::Feature map = gpu::kFeatureEnvironmentMap;
   const std::uint64_t one = kPath.bytes_per_slot(map, asked(1));
   EXPECT_EQ(kPath.bytes_per_slot(map, asked(4)) - one, 3 * sizeof(gpu::ShadowRay));

@@ -224,7 +224,7 @@ TEST_F(LightmapTest, SameBitsHoweverTheWorkIsCut) {
   EXPECT_EQ(light(lit_by(lamp()), settings), whole);
 }
 
-TEST_F(LightmapTest, RefusesWhatItHasNoRoomFor) {
+TEST_F(LightmapTest, RefusesWhatDoesNotFit) {
   const auto refusal = [&](const Scene& scene, std::uint32_t size) -> std::string {
     try {
       render(scene, shadow_settings("lightmap", size));

@@ -34,13 +34,13 @@ std::uint64_t read_number(const std::string& path) {
   return file >> value ? value : kUnknown; // "max" is not a number
 }
 
-std::uint64_t room(std::uint64_t limit, std::uint64_t used) {
+std::uint64_t left_of(std::uint64_t limit, std::uint64_t used) {
   if (limit == kUnknown || used == kUnknown) return kUnknown;
   return limit > used ? limit - used : 0;
 }
 
 // The tightest limit from the process's own group up to the root. Page cache counts as used there but can be dropped.
-std::uint64_t control_group_room() {
+std::uint64_t left_in_control_group() {
   std::ifstream membership("/proc/self/cgroup");
   std::string line, group;
   while (std::getline(membership, line))
@@ -52,21 +52,22 @@ std::uint64_t control_group_room() {
     const std::uint64_t cache = read_entry((folder + "/memory.stat").c_str(), "inactive_file", 1);
     if (used != kUnknown)
       least = std::min(
-          least, room(read_number(folder + "/memory.max"), used - (cache == kUnknown ? 0 : std::min(cache, used))));
+          least, left_of(read_number(folder + "/memory.max"), used - (cache == kUnknown ? 0 : std::min(cache, used))));
   }
   return least;
 }
 
-std::uint64_t address_space_room() {
+std::uint64_t left_in_address_space() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnknown;
-  return room(limit.rlim_cur, read_entry("/proc/self/status", "VmSize:", 1024));
+  return left_of(limit.rlim_cur, read_entry("/proc/self/status", "VmSize:", 1024));
 }
 
 } // namespace
 
 std::uint64_t available_memory() {
-  return std::min({read_entry("/proc/meminfo", "MemAvailable:", 1024), control_group_room(), address_space_room()});
+  return std::min(
+      {read_entry("/proc/meminfo", "MemAvailable:", 1024), left_in_control_group(), left_in_address_space()});
 }
 
 void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy,

@@ -18,7 +18,7 @@ struct RaySets {
 
 class RayReplay {
 public:
-  // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and
+  // `settings` ask for capacity_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and
   // `kernels` outlive this.
   RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
             KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);

@@ -34,7 +34,7 @@ using CheckShape = std::function<void(const ImageShape&)>;
 // Room for the samples of a whole picture. Four channels are reserved, which costs nothing until it is written to, so
 // that textures become RGBA where they lie.
 template <class Sample>
-Sample* make_room(std::vector<Sample>& samples, const ImageShape& shape) {
+Sample* reserve(std::vector<Sample>& samples, const ImageShape& shape) {
   samples.reserve(shape.pixels() * 4);
   samples.resize(shape.pixels() * shape.channels);
   return samples.data();

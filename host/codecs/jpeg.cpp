@@ -94,7 +94,7 @@ DecodedImage decode_jpeg(std::span<const std::uint8_t> file, const CheckShape& c
   });
   check(shape);
 
-  std::uint8_t* out = make_room(image.bytes, shape);
+  std::uint8_t* out = reserve(image.bytes, shape);
   const bool inks = codec.out_color_space == JCS_CMYK;
   std::vector<std::uint8_t> cmyk(inks ? std::size_t{shape.width} * 4 : 0);
   const std::size_t row_bytes = std::size_t{shape.width} * shape.channels;

@@ -110,7 +110,7 @@ DecodedImage decode_png(std::span<const std::uint8_t> file, const CheckShape& ch
   check(shape);
 
   std::vector<png_bytep> rows =
-      deep ? row_pointers(make_room(image.words, shape), shape) : row_pointers(make_room(image.bytes, shape), shape);
+      deep ? row_pointers(reserve(image.words, shape), shape) : row_pointers(reserve(image.bytes, shape), shape);
   decode_step(reader.jump, [&] {
     png_set_expand(reader.png);
     if (deep && kSwapWords) png_set_swap(reader.png);

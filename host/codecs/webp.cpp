@@ -14,7 +14,7 @@ DecodedImage decode_webp(std::span<const std::uint8_t> file, const CheckShape& c
                  features.has_alpha ? 4u : 3u};
   check(image.shape);
 
-  std::uint8_t* out = make_room(image.bytes, image.shape);
+  std::uint8_t* out = reserve(image.bytes, image.shape);
   const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
   const int row_bytes = features.width * static_cast<int>(image.shape.channels); // at most 2^14 * 4
   if (!decode(file.data(), file.size(), out, image.bytes.size(), row_bytes))

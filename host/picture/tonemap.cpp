@@ -24,8 +24,8 @@ vec3 khronos_neutral(vec3 c) {
 
   const float peak = max_component(c);
   if (peak < kStart) return c;
-  constexpr float kRoom = 1.0f - kStart;
-  const float new_peak = 1.0f - kRoom * kRoom / (peak + kRoom - kStart);
+  constexpr float kHeadroom = 1.0f - kStart;
+  const float new_peak = 1.0f - kHeadroom * kHeadroom / (peak + kHeadroom - kStart);
   const float fade = 1.0f / (kDesaturation * (peak - new_peak) + 1.0f);
   return glm::mix(vec3(new_peak), c * (new_peak / peak), fade);
 }

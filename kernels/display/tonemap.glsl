@@ -5,12 +5,12 @@
 #include "kernels/display/display_types.h"
 
 vec3 tonemap_neutral(vec3 c) {
-  const float kFresnel = 0.04, kStart = 0.8 - kFresnel, kDesaturation = 0.15, kRoom = 1.0 - kStart;
+  const float kFresnel = 0.04, kStart = 0.8 - kFresnel, kDesaturation = 0.15, kHeadroom = 1.0 - kStart;
   float least = min(c.r, min(c.g, c.b));
   c -= least < 2.0 * kFresnel ? least - least * least / (4.0 * kFresnel) : kFresnel;
   float peak = max(c.r, max(c.g, c.b));
   if (peak < kStart) return c;
-  float new_peak = 1.0 - kRoom * kRoom / (peak + kRoom - kStart);
+  float new_peak = 1.0 - kHeadroom * kHeadroom / (peak + kHeadroom - kStart);
   float fade = 1.0 / (kDesaturation * (peak - new_peak) + 1.0);
   return mix(vec3(new_peak), c * (new_peak / peak), fade);
 }

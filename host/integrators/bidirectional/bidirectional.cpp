@@ -183,7 +183,7 @@ void Bidirectional::change(const View& view, const RenderPlan& settings, Past) {
   const gpu::Feature features = kernels_.features(kBidirectionalProgram);
   trainer_.change(settings);
   is_training_ = trainer_.trains();
-  bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays | trainer_.rooms(), features);
+  bool moved = paths_.change(settings, kSharedPathStages, kCapacityForShadowRays | trainer_.capacity(), features);
   trainer_.start();
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
   moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});

@@ -77,7 +77,7 @@ constinit const IntegratorKind kBidirectional = {
     .bytes_per_slot =
         [](gpu::Feature features, const RenderPlan& settings) {
           if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
-          return bytes_per_path(features, kRoomForShadowRays) +
+          return bytes_per_path(features, kCapacityForShadowRays) +
                  light_bytes_per_slot(settings, asks_for_photons(settings));
         },
     .largest_record =

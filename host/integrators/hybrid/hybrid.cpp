@@ -49,9 +49,9 @@ constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kRes
 
 enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kPlaceIds, kPlaceSeen, kPlaceSignals };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
-constexpr std::uint32_t kRoomForLayers = 1u << 0, kRoomForPlaces = 1u << 1; // bits of Extent::options
+constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPlaces = 1u << 1; // bits of Extent::options
 
-std::uint64_t places(const Extent& e) { return e.options & kRoomForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
+std::uint64_t places(const Extent& e) { return e.options & kCapacityForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
 
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
@@ -68,7 +68,7 @@ const std::vector<BufferRule> kHybridRules = {
      [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
     {"layers",
-     [](const Extent& e) { return e.options & kRoomForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
+     [](const Extent& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
     {"triangles of places",
      [](const Extent& e) { return places(e) * sizeof(glm::uvec2); },
@@ -173,7 +173,7 @@ Hybrid::~Hybrid() = default;
 void Hybrid::change(const View& view, const RenderPlan& settings, Past past) {
   settings_ = settings;
   make_frame(view, settings, past);
-  make_room(view, past);
+  allocate(view, past);
 }
 
 void Hybrid::make_frame(const View& view, const RenderPlan& settings, Past past) {
@@ -204,17 +204,17 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, Past past)
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
 }
 
-void Hybrid::make_room(const View& view, Past past) {
+void Hybrid::allocate(const View& view, Past past) {
   const PackedScene& scene = workspace_.scene;
   const KernelConfig config = kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_);
   need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
   const std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
-  const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kRoomForSeen : 0;
+  const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
-                         .options = (layers ? kRoomForLayers : 0) | (multisamples() ? kRoomForPlaces : 0)});
+                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPlaces : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,

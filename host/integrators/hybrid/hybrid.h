@@ -74,7 +74,7 @@ private:
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
   struct Filters; // over frames
   void make_frame(const View& view, const RenderPlan& settings, Past past);
-  void make_room(const View& view, Past past);
+  void allocate(const View& view, Past past);
   void remake_filters(bool moved, Past past);
   Filters make_filters();
   void remake_shadows(const View& view, const std::vector<Binding>& own);

@@ -304,7 +304,7 @@ constinit const IntegratorKind kHybrid = {
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
-                         const RenderPlan&) { return bytes_per_path(features, kRoomForShadowRays); },
+                         const RenderPlan&) { return bytes_per_path(features, kCapacityForShadowRays); },
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
@@ -335,7 +335,7 @@ constinit const IntegratorKind kAo = {
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
-                         const RenderPlan&) { return bytes_per_path(features, kRoomForShadowRays); },
+                         const RenderPlan&) { return bytes_per_path(features, kCapacityForShadowRays); },
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,

@@ -52,18 +52,18 @@ std::vector<MemoryItem> memory_items(const RenderPlan& settings, const ScenePlan
   return {{"guiding field", settings.guide ? kGuideBytes : 0}};
 }
 
-std::uint64_t slot_bytes(gpu::Feature features, const RenderPlan& settings, std::uint32_t more_rooms) {
+std::uint64_t slot_bytes(gpu::Feature features, const RenderPlan& settings, std::uint32_t more_capacity) {
   features |= features_of(settings) & gpu::kFeatureAdaptive;
   const std::uint32_t sky_samples = most_sky_samples_of(settings, features);
   if (features & gpu::kFeatureEnvironmentMap || sky_samples > 1)
     features |= features_of(settings) & gpu::kFeatureLearnedSky;
-  return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | more_rooms,
+  return bytes_per_path(features, kCapacityForShadowRays | kCapacityForSortedRays | more_capacity,
                         shadow_queues(light_samples_of(settings, features), sky_samples));
 }
 
 std::uint64_t bytes_per_slot(gpu::Feature features, const RenderPlan& settings) {
   const bool reuses = reuses_paths(settings) || tries_reuse(settings, features);
-  return slot_bytes(features, settings, reuses ? kRoomForReuse : 0);
+  return slot_bytes(features, settings, reuses ? kCapacityForReuse : 0);
 }
 
 std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderPlan& settings) {

@@ -18,7 +18,7 @@ public:
 
   // Takes up settings, before the paths do; rooms() is then what they need besides.
   void change(const RenderPlan& settings);
-  std::uint32_t rooms() const { return trains_ ? kRoomForLightSums : 0; }
+  std::uint32_t capacity() const { return trains_ ? kCapacityForLightSums : 0; }
   // Begins compiling the pilot's own kernels, once the paths have taken up the settings, or takes over what another
   // picture's pilot has learned.
   void start();

@@ -4,8 +4,9 @@
 
 namespace wavepath {
 
-std::uint32_t PathTracer::rooms() const {
-  return trainer_.rooms() | (settings_.guide ? kRoomForGuide : 0) | (guide_training_ ? kRoomForGuideRecords : 0);
+std::uint32_t PathTracer::capacity() const {
+  return trainer_.capacity() | (settings_.guide ? kCapacityForGuide : 0) |
+         (guide_training_ ? kCapacityForGuideRecords : 0);
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
@@ -16,7 +17,7 @@ void PathTracer::change(const View&, const RenderPlan& settings, Past) {
   guide_training_.reset();
   if (settings.guide) guide_training_.emplace(settings.width, settings.height, settings.training.guide_iterations);
   training_ = trainer_.trains() ? Training::lights : settings.guide ? Training::guide : Training::none;
-  paths_.change(settings, kAllPathStages, rooms());
+  paths_.change(settings, kAllPathStages, capacity());
   trainer_.start();
   if (settings.guide) {
     guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
@@ -74,7 +75,7 @@ void PathTracer::train_guide() {
   guide_training_.reset();
   training_ = Training::none;
   paths_.buffers[kRecords] = Buffer(); // a place holder takes its place
-  paths_.change(settings_, kAllPathStages, rooms());
+  paths_.change(settings_, kAllPathStages, capacity());
 }
 
 void PathTracer::use_field(const GuideField& field) {

@@ -29,7 +29,7 @@ public:
 private:
   enum class Training { none, lights, guide };
 
-  std::uint32_t rooms() const; // bits of Extent::options for what is learned and used
+  std::uint32_t capacity() const; // bits of Extent::options for what is learned and used
   void train_guide();
   void use_field(const GuideField& field);
 

@@ -75,7 +75,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindLightRows, texels_r32ui}}},
     {"sums of the light pilot",
      [](const Extent& e) {
-       return e.options & kRoomForLightSums ? learned_shares(e, kLightSumBytes, kSkySumBytes) : 0;
+       return e.options & kCapacityForLightSums ? learned_shares(e, kLightSumBytes, kSkySumBytes) : 0;
      },
      {{gpu::kBindLightSums, storage}}},
     {"path media",
@@ -96,27 +96,27 @@ const std::vector<BufferRule> kRules = {
      [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
      {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
     {"order of hits",
-     [](const Extent& e) { return e.options & kRoomForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
+     [](const Extent& e) { return e.options & kCapacityForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindSortedRays, storage}, {gpu::kBindSortedRayTexels, texels_r32ui}}},
     {"shadow rays",
      [](const Extent& e) {
-       return e.options & kRoomForShadowRays ? e.slots * e.light_samples * sizeof(gpu::ShadowRay) : 0;
+       return e.options & kCapacityForShadowRays ? e.slots * e.light_samples * sizeof(gpu::ShadowRay) : 0;
      }, // a queue for each light sample of a vertex
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
     {"queues", [](const Extent&) { return std::uint64_t{sizeof(gpu::Queues)}; }, {{gpu::kBindQueues, storage}}},
     {"light seen directly",
-     [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
+     [](const Extent& e) { return e.options & kCapacityForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindSeen, storage}}},
     {"guide tree",
-     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideTreeBytes : 0; },
+     [](const Extent& e) { return e.options & kCapacityForGuide ? kGuideTreeBytes : 0; },
      {{gpu::kBindGuideTree, texels_rgba32ui}}},
     {"guide maps",
-     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
+     [](const Extent& e) { return e.options & kCapacityForGuide ? kGuideMapBytes : 0; },
      {{gpu::kBindGuideMaps, texels_rgba32ui}}},
     {"records for guiding, or for neighbours",
      [](const Extent& e) -> std::uint64_t {
-       if (e.options & kRoomForGuideRecords) return kGuideRecordBytes;
-       return e.options & kRoomForReuse ? e.slots * gpu::reuse_texel_count(e.features) * sizeof(glm::uvec4) : 0;
+       if (e.options & kCapacityForGuideRecords) return kGuideRecordBytes;
+       return e.options & kCapacityForReuse ? e.slots * gpu::reuse_texel_count(e.features) * sizeof(glm::uvec4) : 0;
      },
      {{gpu::kBindGuideRecords, storage}, {gpu::kBindReuseTexels, texels_rgba32ui}}},
 };
@@ -166,14 +166,14 @@ bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32
   need_ = path_need(kPathProgram, stages,
                     kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
   workspace_.frame.sky_samples = sky_samples_of(settings, scene.features);
-  if (need_.config.sort != gpu::kSortNone) options |= kRoomForSortedRays;
-  if (stages & stage_bits({kReuse}) && need_.config.reuse != gpu::kReuseNone) options |= kRoomForReuse;
+  if (need_.config.sort != gpu::kSortNone) options |= kCapacityForSortedRays;
+  if (stages & stage_bits({kReuse}) && need_.config.reuse != gpu::kReuseNone) options |= kCapacityForReuse;
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
   if (!(options & kStatesAlone) &&
       (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.kernels.shadow_rays))
-    options |= kRoomForShadowRays;
+    options |= kCapacityForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,
                         shadow_queues(need_.config.light_samples, workspace_.frame.sky_samples)});

@@ -61,10 +61,10 @@ enum PathBuffer : std::size_t {
 };
 
 // Bits of Extent::options.
-inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
+inline constexpr std::uint32_t kCapacityForShadowRays = 1u << 0, kCapacityForSeen = 1u << 1,
                                kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
-    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5, kRoomForSortedRays = 1u << 6,
-                               kRoomForReuse = 1u << 7;
+    kCapacityForLightSums = 1u << 3, kCapacityForGuide = 1u << 4, kCapacityForGuideRecords = 1u << 5,
+                               kCapacityForSortedRays = 1u << 6, kCapacityForReuse = 1u << 7;
 
 class Paths {
 public:

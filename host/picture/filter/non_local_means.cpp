@@ -199,8 +199,8 @@ std::vector<glm::vec3> non_local_means(std::size_t width, const std::vector<glm:
   const std::size_t across = whole_tiles(width, kTileWidth) / kTileWidth,
                     down = whole_tiles(planes.height, kTileHeight) / kTileHeight;
   tbb::parallel_for(std::size_t{0}, across * down, [&](std::size_t tile) {
-    const auto room = std::make_unique<Tile>();
-    filter_tile(planes, tile % across * kTileWidth, tile / across * kTileHeight, *room, out);
+    const auto scratch = std::make_unique<Tile>();
+    filter_tile(planes, tile % across * kTileWidth, tile / across * kTileHeight, *scratch, out);
   });
   return out;
 }

@@ -201,12 +201,12 @@ void RenderLoop::explore(const Pilot& pilot) {
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
   // A small picture's pilot may have more samples of a pixel than there is room for.
-  const std::uint32_t room = std::max(room_for_samples(), 1u);
+  const std::uint32_t capacity = std::max(sample_capacity(), 1u);
   const std::uint32_t end = pilot.first_sample + pilot.samples;
   for (const Segment& segment : pilot.segments)
-    for (std::uint32_t first = pilot.first_sample; first < end; first += std::min(room, end - first))
+    for (std::uint32_t first = pilot.first_sample; first < end; first += std::min(capacity, end - first))
       for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;) {
-        const std::uint32_t count = std::min(room, end - first), taken = fitting(segment, done, count, 0);
+        const std::uint32_t count = std::min(capacity, end - first), taken = fitting(segment, done, count, 0);
         submit_wave(segment.band, wave_of(segment, done, taken, first, count),
                     taken * integrator_->paths_per_pixel(count));
         done += taken;
@@ -257,7 +257,7 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
   if (!levels_.empty()) { // every pass ends with a wave that is not full: longer ones have fewer
-    const std::uint64_t bound = std::min<std::uint64_t>(most, room_for_samples()) / kHighestFactor;
+    const std::uint64_t bound = std::min<std::uint64_t>(most, sample_capacity()) / kHighestFactor;
     fit =
         static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
   }
@@ -272,7 +272,7 @@ std::uint32_t RenderLoop::pass_end() const {
 }
 
 // Of what a wave takes at least, a pixel or a quad.
-std::uint32_t RenderLoop::room_for_samples() const {
+std::uint32_t RenderLoop::sample_capacity() const {
   const std::uint32_t least = workspace_.film.shape().quads ? gpu::kQuadPixels : 1;
   return workspace_.slots / (least * integrator_->paths_per_pixel(1));
 }
@@ -283,8 +283,8 @@ std::uint32_t RenderLoop::room_for_samples() const {
 std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
                                   std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
-  const std::uint32_t room = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
-  const std::uint32_t fit = room > slots ? (room - slots) / paths : 0, left = segment.pixel_count - done;
+  const std::uint32_t capacity = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
+  const std::uint32_t fit = capacity > slots ? (capacity - slots) / paths : 0, left = segment.pixel_count - done;
   if (fit >= left) return left;
   if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
   const gpu::Frame& frame = workspace_.frame; // of a pilot its own

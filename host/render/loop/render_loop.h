@@ -109,7 +109,7 @@ private:
   void share_out();
   void use_levels(const std::vector<std::int8_t>& levels);
   std::uint32_t pass_end() const;
-  std::uint32_t room_for_samples() const;
+  std::uint32_t sample_capacity() const;
   std::uint32_t fitting(const Segment& segment, std::uint32_t done, std::uint32_t count, std::uint32_t slots) const;
   gpu::Wave wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,
                     std::uint32_t count) const;

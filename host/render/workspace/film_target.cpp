@@ -90,7 +90,7 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
 } // namespace
 
 // A band is what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
-bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
+bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
   shape_ = shape;
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
@@ -116,9 +116,9 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
     band.probe_count = shape.probes_above(rows) - first_probe;
     first_probe += band.probe_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
-    moved |= make_room(*device_, band.film, film_bytes(band, shape));
-    moved |= make_room(*device_, band.aovs, shape.aovs || room_for_aovs ? aov_bytes(band) : 0);
-    moved |= make_room(*device_, band.splats, shape.splats ? splat_bytes(band) : 0);
+    moved |= reserve(*device_, band.film, film_bytes(band, shape));
+    moved |= reserve(*device_, band.aovs, shape.aovs || capacity_for_aovs ? aov_bytes(band) : 0);
+    moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band) : 0);
   }
   return moved;
 }

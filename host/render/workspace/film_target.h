@@ -29,10 +29,10 @@ class FilmTarget {
 public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
-  // Takes up a film of this shape. `room_for_aovs`: kernels that write AOVs may run.
+  // Takes up a film of this shape. `capacity_for_aovs`: kernels that write AOVs may run.
   // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
   // for it.
-  bool fit(const FilmShape& shape, bool room_for_aovs);
+  bool fit(const FilmShape& shape, bool capacity_for_aovs);
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
   Film download() const;

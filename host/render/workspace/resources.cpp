@@ -4,7 +4,7 @@
 
 namespace wavepath {
 
-bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
+bool reserve(Device& device, Buffer& buffer, std::uint64_t bytes) {
   if (buffer.handle() && buffer.bytes() >= bytes) return false;
   buffer = Buffer(); // the device may not hold both at once
   buffer = Buffer(device, bytes);
@@ -14,7 +14,7 @@ bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
 bool BufferSet::fit(const Extent& extent) {
   bool moved = false;
   for (std::size_t i = 0; i < rules_.size(); ++i)
-    if (rules_[i].bytes) moved |= make_room(*device_, buffers_[i], rules_[i].bytes(extent));
+    if (rules_[i].bytes) moved |= reserve(*device_, buffers_[i], rules_[i].bytes(extent));
   return moved;
 }
 

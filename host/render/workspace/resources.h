@@ -57,6 +57,6 @@ private:
 void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings);
 
 // Replaces `buffer` if it is smaller than `bytes`; what it held is lost then. Returns whether it was.
-bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes);
+bool reserve(Device& device, Buffer& buffer, std::uint64_t bytes);
 
 } // namespace wavepath

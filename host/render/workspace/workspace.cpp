@@ -125,7 +125,7 @@ void Workspace::change(const View& view, const RenderPlan& settings) {
 bool Workspace::fit(const RenderPlan& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
   const std::uint64_t places = features & gpu::kFeatureAdaptive ? film.shape().places() : 0;
-  moved |= make_room(device, places_buffer_, places * sizeof(std::uint32_t));
+  moved |= reserve(device, places_buffer_, places * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
   places_.clear();
   if (places > 0) { // until samples are shared out

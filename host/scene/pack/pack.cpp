@@ -138,10 +138,10 @@ void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
   const ExactTextures exact = count_exact(textures);
   if (exact.floats > 0)
     warnings.add("textures of more than 8 bits are filtered exactly in spite of --textures hardware", exact.floats);
-  if (exact.without_room > 0)
+  if (exact.unplaced > 0)
     warnings.add(
         "textures are filtered exactly in spite of --textures hardware, as the device's images cannot hold them",
-        exact.without_room);
+        exact.unplaced);
 }
 
 } // namespace

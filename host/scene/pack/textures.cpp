@@ -197,7 +197,7 @@ ExactTextures count_exact(const TextureTable& table) {
   ExactTextures count;
   if (!table.samplers) return count;
   for (const gpu::Texture& texture : table.textures)
-    if (!is_sampled(texture)) ++(texture.flags & gpu::kTextureFloat ? count.floats : count.without_room);
+    if (!is_sampled(texture)) ++(texture.flags & gpu::kTextureFloat ? count.floats : count.unplaced);
   return count;
 }
 

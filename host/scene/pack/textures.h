@@ -64,7 +64,7 @@ void place_textures(TextureTable& table, const Scene& scene);
 // Of textures that samplers were to look up, those that the texel buffer holds: because their texels are floats, and
 // because the device's images have no room.
 struct ExactTextures {
-  std::size_t floats = 0, without_room = 0;
+  std::size_t floats = 0, unplaced = 0;
 };
 ExactTextures count_exact(const TextureTable& table);
 

@@ -15,25 +15,26 @@ constexpr std::uint64_t kSmallestSlice = 1 << 12;
 // The draws in pieces of at most `most` triangles; at least one piece.
 std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint64_t most) {
   std::vector<std::vector<VertexRange>> slices(1);
-  std::uint64_t room = most;
+  std::uint64_t capacity = most;
   for (const Draw& draw : draws) {
     const std::uint64_t total = std::uint64_t{draw.triangle_count} * draw.instance_count;
     for (std::uint64_t done = 0; done < total;) {
-      if (room == 0) {
+      if (capacity == 0) {
         slices.emplace_back();
-        room = most;
+        capacity = most;
       }
       // As many whole instances as there is room for, or a part of one.
       const auto instance = static_cast<std::uint32_t>(done / draw.triangle_count);
       const auto first = static_cast<std::uint32_t>(done % draw.triangle_count);
       const std::uint32_t left = draw.triangle_count - first;
-      const bool whole = first == 0 && room >= left;
+      const bool whole = first == 0 && capacity >= left;
       const std::uint32_t times =
-          whole ? static_cast<std::uint32_t>(std::min<std::uint64_t>(draw.instance_count - instance, room / left)) : 1;
-      const std::uint32_t count = whole ? left : static_cast<std::uint32_t>(std::min<std::uint64_t>(left, room));
+          whole ? static_cast<std::uint32_t>(std::min<std::uint64_t>(draw.instance_count - instance, capacity / left))
+                : 1;
+      const std::uint32_t count = whole ? left : static_cast<std::uint32_t>(std::min<std::uint64_t>(left, capacity));
       slices.back().push_back({3 * (draw.first_triangle + first), 3 * count, draw.first_instance + instance, times});
       done += std::uint64_t{count} * times;
-      room -= std::uint64_t{count} * times;
+      capacity -= std::uint64_t{count} * times;
     }
   }
   return slices;

@@ -62,7 +62,7 @@ public:
     const std::uint32_t size =
         size_that_fits(settings.shadow_size, [&](std::uint32_t at_size) { return fits(at_size); });
     const BakedFor wanted{size, settings.shadow_taps, settings.cull, settings.terminator};
-    if (wanted != made_for_) make_room(wanted);
+    if (wanted != made_for_) allocate(wanted);
     gpu::ShadowFrame frame{};
     frame.size = size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
@@ -98,7 +98,7 @@ public:
 private:
   static bool is_lamp(const ShadowSource& source) { return source.kind & kAreaSources; }
 
-  void make_room(const BakedFor& wanted) {
+  void allocate(const BakedFor& wanted) {
     made_for_ = {};
     is_baked_ = false;
     check_fits(wanted.size);
@@ -116,10 +116,10 @@ private:
     made_for_ = wanted;
   }
 
-  struct Room {
+  struct Footprint {
     std::uint64_t entries, largest, bytes; // largest: elements of a buffer
   };
-  Room room_at(std::uint32_t size) const {
+  Footprint footprint_at(std::uint32_t size) const {
     const std::uint64_t texels = std::uint64_t{size} * size, shares = texels * sources_.size(),
                         entries = placed_triangles(workspace_.scene);
     return {entries, std::max({texels, shares, entries}),
@@ -131,21 +131,22 @@ private:
                      info.max_storage_range / sizeof(float), std::uint64_t{gpu::kNone}});
   }
   bool fits(std::uint32_t size) const {
-    const Room room = room_at(size);
-    return room.largest <= most_elements() && room.bytes <= workspace_.device.info().memory_bytes;
+    const Footprint footprint = footprint_at(size);
+    return footprint.largest <= most_elements() && footprint.bytes <= workspace_.device.info().memory_bytes;
   }
 
   // Throws before anything is allocated.
   void check_fits(std::uint32_t size) const {
     if (fits(size)) return;
     const DeviceInfo& info = workspace_.device.info();
-    const Room room = room_at(size);
-    throw Error(info.name,
-                fmt::format("cannot hold lightmaps of {} lights, {}x{} texels each, and charts of {} triangles, {:.0f} "
-                            "MiB; at most {} of each and {:.0f} MiB",
-                            sources_.size(), size, size, room.entries, static_cast<double>(room.bytes) / 1048576.0,
-                            most_elements(), static_cast<double>(info.memory_bytes) / 1048576.0),
-                "use a smaller --shadow-size or --shadows traced");
+    const Footprint footprint = footprint_at(size);
+    throw Error(
+        info.name,
+        fmt::format("cannot hold lightmaps of {} lights, {}x{} texels each, and charts of {} triangles, {:.0f} "
+                    "MiB; at most {} of each and {:.0f} MiB",
+                    sources_.size(), size, size, footprint.entries, static_cast<double>(footprint.bytes) / 1048576.0,
+                    most_elements(), static_cast<double>(info.memory_bytes) / 1048576.0),
+        "use a smaller --shadow-size or --shadows traced");
   }
 
   std::vector<glm::vec4> make_points(std::uint32_t taps) const {

@@ -72,7 +72,7 @@ public:
 
   void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) override {
     start_kernels(view, settings);
-    make_room(settings);
+    allocate(settings);
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
     upload_frame(frame);
@@ -124,7 +124,7 @@ private:
     buffers_[kPairs] = upload(workspace_.device, pairs_.empty() ? std::vector<gpu::PlanarPair>(1) : pairs_);
   }
 
-  void make_room(const RenderPlan& settings) {
+  void allocate(const RenderPlan& settings) {
     const glm::uvec2 size(settings.width, settings.height);
     if (size == made_for_) return;
     made_for_ = glm::uvec2(0);

@@ -111,7 +111,7 @@ public:
     settings_.shadow_size = size_that_fits(settings.shadow_size, [&](std::uint32_t size) { return fits(size); });
     if (settings_.shadow_size != settings.shadow_size) make_views(seen);
     start_kernels(view, settings);
-    make_room();
+    allocate();
     shared_ = shared;
     bind_all();
     builds_left_ = kTimedBuilds;
@@ -150,7 +150,7 @@ private:
     return std::uint64_t{settings_.shadow_size} * settings_.shadow_size * views_.size();
   }
   std::uint32_t scratch_words() const {
-    if (recipe_.pages) return pages_.total() + page_room_;
+    if (recipe_.pages) return pages_.total() + page_capacity_;
     return recipe_.frame_words ? recipe_.frame_words(view_count(), settings_) : 0;
   }
 
@@ -172,7 +172,7 @@ private:
       for (const std::uint32_t light : source.lights) light_views_[light] = glm::uvec2(first, views.size());
     }
     pages_ = recipe_.pages ? VirtualPages(view_count(), settings_.shadow_size) : VirtualPages();
-    page_room_ = 0;
+    page_capacity_ = 0;
     const std::size_t view_size =
         recipe_.pages ? pages_.pages_of_view() : std::size_t{settings_.shadow_size} * settings_.shadow_size;
     for (std::size_t i = 0; i < views_.size(); ++i) views_[i].first_texel = static_cast<std::uint32_t>(i * view_size);
@@ -222,7 +222,7 @@ private:
                 "use a smaller --shadow-size or --shadows traced");
   }
 
-  void make_room() {
+  void allocate() {
     check_fits();
     const TexelBytes bytes = texel_bytes();
     const bool raster = is_raster();
@@ -345,7 +345,7 @@ private:
     const std::uint32_t before = pages_.resident();
     const std::uint64_t most = most_texels(sizeof(float)) / kPageTexels; // the rest is traced
     pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0), most);
-    if (pages_.resident() > page_room_) make_room_for_pages(queue, before, most);
+    if (pages_.resident() > page_capacity_) reserve_pages(queue, before, most);
     const std::vector<std::uint32_t> table = pages_.table();
     buffers_[kScratch].write(table.data(), table.size() * sizeof(std::uint32_t));
     if (is_raster())
@@ -355,10 +355,11 @@ private:
   }
 
   // Half as many more than are needed, so that it is seldom called.
-  void make_room_for_pages(WaveQueue& queue, std::uint32_t before, std::uint64_t most) {
+  void reserve_pages(WaveQueue& queue, std::uint32_t before, std::uint64_t most) {
     Device& device = workspace_.device;
-    page_room_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, pages_.resident() + pages_.resident() / 2));
-    Buffer depths(device, std::uint64_t{page_room_} * kPageTexels * sizeof(float));
+    page_capacity_ =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(most, pages_.resident() + pages_.resident() / 2));
+    Buffer depths(device, std::uint64_t{page_capacity_} * kPageTexels * sizeof(float));
     if (before > 0) {
       const std::uint64_t bytes = std::uint64_t{before} * kPageTexels * sizeof(float);
       queue.submit([&](Commands& commands) { commands.copy(buffers_[kDepths], depths, bytes); }, {});
@@ -492,7 +493,7 @@ private:
   std::optional<std::string> cookie_; // that was read
   ShadowReport report_;
   VirtualPages pages_;
-  std::uint32_t page_room_ = 0;
+  std::uint32_t page_capacity_ = 0;
   std::vector<Binding> shared_;
 };
 

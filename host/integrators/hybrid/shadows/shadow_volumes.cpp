@@ -75,7 +75,7 @@ public:
     size_ = glm::uvec2(settings.width, settings.height);
     if (!known_cull_ || *known_cull_ != settings.cull) make_pieces(settings.cull == gpu::kCullAll);
     known_cull_ = settings.cull;
-    make_room();
+    allocate();
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
     upload_frame(frame);
@@ -146,7 +146,7 @@ private:
   }
 
   // Pictures of counts: a first one of what is known, and one a source.
-  void make_room() {
+  void allocate() {
     if (size_ == made_for_) return;
     made_for_ = glm::uvec2(0);
     target_.reset(); // the device may not hold both at once
