@@ -9,8 +9,8 @@
 #include "host/integrators/path/kind.h"
 #include "host/plan/integrator.h"
 #include "host/render/agreement.h"
+#include "host/render/pilot_picture.h"
 #include "host/render/report/diagnosis.h"
-#include "host/render/small_picture.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
@@ -175,7 +175,7 @@ TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
   whole.looks_for_noise = true;
   const View view = resolve_view(scene, {}, whole.width, whole.height);
   const PackedScene packed = pack(scene, {.eye = view.position});
-  const RenderPlan small = small_picture(whole, 64, 4);
+  const RenderPlan small = pilot_settings(whole, 64, 4);
   EXPECT_TRUE(small.kernels.has_probes);
   EXPECT_NE(small.kernels.added & gpu::kFeatureAdaptive, 0u);
   RenderPlan own = small;

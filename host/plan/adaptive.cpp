@@ -1,7 +1,7 @@
 #include "host/plan/adaptive.h"
 
+#include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/trial.h"
 #include "host/render/workspace/levels.h"
 
 namespace wavepath {

@@ -12,8 +12,8 @@
 #include "host/plan/lamps_in_sight.h"
 #include "host/render/agreement.h"
 #include "host/render/lost_light.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/trial.h"
 
 namespace wavepath {
 namespace {

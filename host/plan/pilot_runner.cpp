@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "host/gpu/device.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/trial.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
@@ -24,7 +24,7 @@ PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& v
       cpu_(device.info().type == "cpu") {}
 
 RenderPlan PilotRunner::settings_of(const PilotRow& row, const RenderPlan& render) {
-  RenderPlan pilot = small_picture(render, row.side, row.samples);
+  RenderPlan pilot = pilot_settings(render, row.side, row.samples);
   pilot.seed = render.seed ^ row.seed;
   return pilot;
 }

@@ -6,8 +6,8 @@
 #include "host/plan/decision.h"
 #include "host/plan/pilots.h"
 #include "host/render/loop/render_loop.h"
+#include "host/render/pilot_picture.h"
 #include "host/render/render.h"
-#include "host/render/small_picture.h"
 #include "host/scene/staging/view.h"
 
 namespace wavepath {

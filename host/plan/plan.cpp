@@ -11,11 +11,11 @@
 #include "host/plan/sky_samples.h"
 #include "host/plan/training.h"
 #include "host/render/loop/render_result.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/trial.h"
 #include "host/render/workspace/light_training.h"
 #include "host/scene/pack/packed_scene.h"
 

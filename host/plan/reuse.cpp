@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "host/base/clock.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/path_reuse.h"
-#include "host/render/trial.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {

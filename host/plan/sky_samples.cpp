@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "host/base/clock.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
-#include "host/render/trial.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/packed_scene.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/render/trial.h"
+#include "host/render/pilot_work.h"
 
 namespace wavepath {
 namespace {

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/render/small_picture.h"
+#include "host/render/pilot_picture.h"
 
 namespace wavepath {
 
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                            KernelCompiler& kernels, SceneOnDevice& shared, const ProgressCallback& progress) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
-  RenderPlan small = small_picture(settings, kLongestSide, kSamples);
+  RenderPlan small = pilot_settings(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
   small.training.found = shared.light_shares;
-  const Picture cut = render_whole(device, scene, view, small, progress, kernels, shared).picture;
+  const Picture cut = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
   small.training.found = shared.light_shares; // both with the same, wherever they were learned
   small.max_depth = settings.max_depth * 4 + 16;
-  const Picture deep = render_whole(device, scene, view, small, progress, kernels, shared).picture;
+  const Picture deep = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
 
   double total = 0.0, missing = 0.0, squares = 0.0;
   const std::size_t pixels = cut.channels[0].values.size();

@@ -7,8 +7,8 @@
 
 #include "host/base/error.h"
 #include "host/render/agreement.h"
+#include "host/render/pilot_picture.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/small_picture.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
@@ -54,13 +54,13 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   if (const std::string problem = (*finder)->unsupported_reason ? (*finder)->unsupported_reason(settings, scene) : "";
       !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
-  RenderPlan small = small_picture(settings, kLostLightSide, kLostLightSamples);
+  RenderPlan small = pilot_settings(settings, kLostLightSide, kLostLightSamples);
   small.training.found = shared.light_shares;
-  const PictureLight found = light_of(*render_whole(device, scene, view, small, progress, kernels, shared).film);
+  const PictureLight found = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   small.integrator = *finder;
   small.kernels.added = settings.kernels.added;
   small.aovs.clear(); // of which it cannot give all
-  const PictureLight all = light_of(*render_whole(device, scene, view, small, progress, kernels, shared).film);
+  const PictureLight all = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   if (!(all.sum > 0.0)) return LostLight{};
   LostLight lost{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
   constexpr double kSurelyLost = 4.0;

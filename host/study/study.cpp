@@ -182,12 +182,12 @@ private:
 
   std::uint32_t affordable_samples(RenderPlan settings, double share, KernelCompiler& kernels,
                                    const std::string& what) {
-    constexpr double kTrial = 1.0 / 32.0; // of the share
+    constexpr double kPilotShare = 1.0 / 32.0; // of the share
     const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
       seconds = render_one(settings, kernels, "trial for the " + what).seconds;
-      if (study_.interrupted || seconds > kTrial * share) break;
+      if (study_.interrupted || seconds > kPilotShare * share) break;
     }
     const double samples =
         std::numbers::sqrt2 * (share - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power

@@ -13,8 +13,8 @@
 #include "host/gpu/device.h"
 #include "host/render/loop/render_loop.h"
 #include "host/render/multi_device/deal.h"
+#include "host/render/pilot_picture.h"
 #include "host/render/settings/probing.h"
-#include "host/render/small_picture.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
 
@@ -22,8 +22,8 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kGrowth = 3;       // samples of a round over those of all before
-constexpr std::uint32_t kProbeSide = 64;   // pixels of the small picture by which bits are compared
-constexpr std::uint32_t kProbeSamples = 2; // and its samples
+constexpr std::uint32_t kPilotSide = 64;   // pixels of the small picture by which bits are compared
+constexpr std::uint32_t kPilotSamples = 2; // and its samples
 constexpr std::uint32_t kFewest = 16;      // samples, before an estimate of the error may end a render
 constexpr double kLook = 0.1;              // seconds between looks at how far devices are
 
@@ -68,12 +68,12 @@ public:
     const Pace pace{.estimates = Estimates::none};
     loop_ = std::make_unique<RenderLoop>(*on_.device, scene_, view_, settings_, *on_.kernels, hooks, pace);
     compile_seconds = loop_->get_ready();
-    const RenderPlan small = small_picture(settings_, kProbeSide, kProbeSamples);
+    const RenderPlan small = pilot_settings(settings_, kPilotSide, kPilotSamples);
     loop_->restart(view_, small);
-    RenderResult probe = run();
-    speed = speed_of(probe, kProbeSamples, small);
+    RenderResult pilot = run();
+    speed = speed_of(pilot, kPilotSamples, small);
     share.seconds = 0.0, share.rays = 0; // of the picture alone
-    return probe.film;
+    return pilot.film;
   }
 
   // Throws DeviceLost.
@@ -160,13 +160,13 @@ private:
   std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
 
   void begin() {
-    std::vector<std::future<std::shared_ptr<const Film>>> probes;
+    std::vector<std::future<std::shared_ptr<const Film>>> pilots;
     for (const auto& worker : workers_)
-      probes.push_back(std::async(std::launch::async, [&worker] { return worker->begin(); }));
+      pilots.push_back(std::async(std::launch::async, [&worker] { return worker->begin(); }));
     std::shared_ptr<const Film> first;
     std::exception_ptr lost;
-    for (std::size_t i = 0; i < probes.size(); ++i) try {
-        const std::shared_ptr<const Film> film = probes[i].get();
+    for (std::size_t i = 0; i < pilots.size(); ++i) try {
+        const std::shared_ptr<const Film> film = pilots[i].get();
         if (!first) first = film;
         result_.bits_agree &= *film == *first;
         result_.result.compile_seconds = std::max(result_.result.compile_seconds, workers_[i]->compile_seconds);

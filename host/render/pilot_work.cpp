@@ -1,4 +1,4 @@
-#include "host/render/trial.h"
+#include "host/render/pilot_work.h"
 
 #include <algorithm>
 

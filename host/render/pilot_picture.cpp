@@ -1,4 +1,4 @@
-#include "host/render/small_picture.h"
+#include "host/render/pilot_picture.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-RenderPlan small_picture(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples) {
+RenderPlan pilot_settings(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples) {
   RenderPlan small = settings;
   const std::uint32_t longest = std::max(settings.width, settings.height), side = std::min(longest_side, longest);
   small.width = std::max(1u, settings.width * side / longest);
@@ -26,7 +26,7 @@ RenderPlan small_picture(const RenderPlan& settings, std::uint32_t longest_side,
   return small;
 }
 
-RenderResult render_whole(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+RenderResult render_pilot(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                           const ProgressCallback& progress, KernelCompiler& kernels, SceneOnDevice& shared) {
   RenderResult result = render(device, scene, view, settings, RenderHooks{progress}, kernels, &shared);
   if (result.stop == StopReason::interrupted) throw Error("the small picture", "was interrupted", "let it end");

@@ -10,10 +10,10 @@ namespace wavepath {
 // part, stopped by nothing else. AOVs stay, because kernels without them would be others. Not adaptive: pilots of two
 // such pictures would choose other levels, and their paths would no longer be comparable. Kernels of the render serve
 // it where nothing else is changed. Pixels that share paths are as close to each other as in the whole picture.
-RenderPlan small_picture(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples);
+RenderPlan pilot_settings(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples);
 
 // Renders all samples. Throws Error if `progress` ends it before.
-RenderResult render_whole(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+RenderResult render_pilot(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                           const ProgressCallback& progress, KernelCompiler& kernels, SceneOnDevice& shared);
 
 // All light of a picture, over its pixels and channels, and an estimate of the variance of that.
