@@ -92,7 +92,7 @@ TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
   add_many_lights(scene, true);
   const Subject subject(scene, whole);
   const RenderResult expected = render(subject, whole);
-  EXPECT_EQ(expected.light_training.rows > 20, GetParam() == gpu::kLightsLearned);
+  EXPECT_EQ(expected.light_training.cells > 20, GetParam() == gpu::kLightsLearned);
   expect_same_film_however_cut(subject, whole, *expected.film);
   RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 1;

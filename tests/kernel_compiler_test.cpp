@@ -66,7 +66,7 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
   const gpu::Feature settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                      gpu::kFeatureLightRows | gpu::kFeatureGuide;
+                                      gpu::kFeatureLightCells | gpu::kFeatureGuide;
   settings.lights = gpu::kLightsTree; // without a pilot
   const gpu::Feature scenes = (gpu::kFeaturesAll | gpu::kLobeMultiple) & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);

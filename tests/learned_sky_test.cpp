@@ -11,7 +11,7 @@
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
-#include "host/integrators/path/sky_rows.h"
+#include "host/integrators/path/sky_histograms.h"
 #include "host/plan/training.h"
 #include "host/render/loop/render_loop.h"
 #include "kernels/base/learned_sky_types.h"
@@ -99,8 +99,8 @@ TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject room = seen(room_with_sky(true), whole);
   const RenderResult expected = render(room, whole);
-  EXPECT_GT(expected.light_training.sky_rows, 20u);
-  EXPECT_EQ(expected.light_training.rows, 0u);
+  EXPECT_GT(expected.light_training.sky_cells, 20u);
+  EXPECT_EQ(expected.light_training.cells, 0u);
   expect_same_film_however_cut(room, whole, *expected.film);
   expect_same_film_resumed(room, whole, *expected.film);
 }
@@ -113,7 +113,7 @@ TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
   const RenderPlan asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
   const Subject room = seen(scene, asked);
   const RenderResult fresh = render(room, asked);
-  ASSERT_GT(fresh.light_training.sky_rows, 20u);
+  ASSERT_GT(fresh.light_training.sky_cells, 20u);
   ViewRequest within;
   within.eye = glm::dvec3(0.3, 0.1, 1.5);
   within.look_at = glm::dvec3(0.0, -0.2, -1.0);
@@ -125,7 +125,7 @@ TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
   while (loop.step()) {
   }
   const RenderResult again = loop.finish();
-  EXPECT_EQ(again.light_training.sky_rows, fresh.light_training.sky_rows);
+  EXPECT_EQ(again.light_training.sky_cells, fresh.light_training.sky_cells);
   EXPECT_TRUE(*again.film == *fresh.film);
 }
 
@@ -134,8 +134,8 @@ TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
-  EXPECT_GT(expected.light_training.rows, 20u);
-  EXPECT_GT(expected.light_training.sky_rows, 20u);
+  EXPECT_GT(expected.light_training.cells, 20u);
+  EXPECT_GT(expected.light_training.sky_cells, 20u);
   expect_same_film_however_cut(rooms, whole, *expected.film);
 }
 
@@ -178,7 +178,7 @@ TEST_F(LearnedSky, RendersTakeOverThePartOfTrainingThatTheyUse) {
   EXPECT_TRUE(*render(rooms, both).film == *trained.film);
   const RenderResult alone = render(rooms, path);
   path.training.found.lights = whole.lights; // no sky: it learns anew
-  EXPECT_GT(render(rooms, path).light_training.sky_rows, 20u);
+  EXPECT_GT(render(rooms, path).light_training.sky_cells, 20u);
   EXPECT_TRUE(*render(rooms, path).film == *alone.film);
 }
 
@@ -245,27 +245,27 @@ TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
 }
 
 // Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.
-TEST(LearnedSkyRows, AreTrainedByCellsAround) {
+TEST(LearnedSkyCells, AreTrainedByCellsAround) {
   std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
-  const auto add = [&](std::uint32_t row, std::uint32_t wider, std::uint32_t widest, std::uint32_t part,
+  const auto add = [&](std::uint32_t cell, std::uint32_t wider, std::uint32_t widest, std::uint32_t part,
                        std::uint32_t picks) {
-    std::uint32_t* words = &sums[std::size_t{4} * row * gpu::kSkySumColumns];
+    std::uint32_t* words = &sums[std::size_t{4} * cell * gpu::kSkySumBins];
     words[4 * part] = words[4 * part + 2] = 1000;
     words[4 * gpu::kSkyParts] = picks;
-    words[4 * gpu::kSkyParts + 1] = (wider * gpu::kLightRows | widest) + 1;
+    words[4 * gpu::kSkyParts + 1] = (wider * gpu::kLightCells | widest) + 1;
   };
   add(5, 100, 200, 1, 1);
   add(6, 100, 200, 2, 1 << 24); // teaches what lies in cell 100
   add(7, 101, 200, 3, 1);       // only the widest cell is the same
   add(8, 102, 201, 4, 1);
-  const TrainedSky trained = train_sky_rows(sums);
-  EXPECT_EQ(trained.rows, 4u);
-  const auto band = [&](std::uint32_t row) { // the first one's share: parts 0 to 7
-    return trained.ends[std::size_t{row} * gpu::kSkyRowWords] / 0x1p32;
+  const TrainedSky trained = train_sky_cells(sums);
+  EXPECT_EQ(trained.cells, 4u);
+  const auto band = [&](std::uint32_t cell) { // the first one's share: parts 0 to 7
+    return trained.ends[std::size_t{cell} * gpu::kSkyCellWords] / 0x1p32;
   };
-  const auto part = [&](std::uint32_t row, std::uint32_t p) {
-    const std::uint32_t* ends = &trained.ends[std::size_t{row} * gpu::kSkyRowWords + gpu::kSkySide];
-    return band(row) * (ends[p] - double(ends[p - 1])) / 0x1p32;
+  const auto part = [&](std::uint32_t cell, std::uint32_t p) {
+    const std::uint32_t* ends = &trained.ends[std::size_t{cell} * gpu::kSkyCellWords + gpu::kSkySide];
+    return band(cell) * (ends[p] - double(ends[p - 1])) / 0x1p32;
   };
   EXPECT_NEAR(part(6, 2), 0.75 + 0.25 / 64, 0.01);
   EXPECT_GT(part(5, 2), 0.3) << "half of what the wider cell saw";
@@ -274,30 +274,30 @@ TEST(LearnedSkyRows, AreTrainedByCellsAround) {
   EXPECT_GT(part(8, 4), 1.0 / 64);
 }
 
-TEST(LearnedSkyRows, AreTrainedBySums) {
+TEST(LearnedSkyCells, AreTrainedBySums) {
   std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
-  constexpr std::uint32_t kRow = 7, kAround = 9;
-  const auto word = [&](std::uint32_t row, std::uint32_t column, std::uint32_t i) -> std::uint32_t& {
-    return sums[4 * (row * gpu::kSkySumColumns + column) + i];
+  constexpr std::uint32_t kCell = 7, kAround = 9;
+  const auto word = [&](std::uint32_t cell, std::uint32_t bin, std::uint32_t i) -> std::uint32_t& {
+    return sums[4 * (cell * gpu::kSkySumBins + bin) + i];
   };
-  word(kRow, 2, 0) = 400, word(kRow, 2, 2) = 100; // a quarter of it visible: root of 400 * 100
-  word(kRow, 5, 0) = 1000;                        // hidden
-  word(kRow, 63, 0) = 600, word(kRow, 63, 2) = 600;
-  word(kRow, gpu::kSkyParts, 0) = 100000000; // picks: many enough to count alone
-  word(kRow, gpu::kSkyParts, 1) = kAround + 1;
-  const TrainedSky trained = train_sky_rows(sums);
-  EXPECT_EQ(trained.rows, 1u);
-  const auto share = [&](std::uint32_t row, std::uint32_t part) {
-    const std::uint32_t* ends = &trained.ends[std::size_t{row} * gpu::kSkyRowWords];
+  word(kCell, 2, 0) = 400, word(kCell, 2, 2) = 100; // a quarter of it visible: root of 400 * 100
+  word(kCell, 5, 0) = 1000;                         // hidden
+  word(kCell, 63, 0) = 600, word(kCell, 63, 2) = 600;
+  word(kCell, gpu::kSkyParts, 0) = 100000000; // picks: many enough to count alone
+  word(kCell, gpu::kSkyParts, 1) = kAround + 1;
+  const TrainedSky trained = train_sky_cells(sums);
+  EXPECT_EQ(trained.cells, 1u);
+  const auto share = [&](std::uint32_t cell, std::uint32_t part) {
+    const std::uint32_t* ends = &trained.ends[std::size_t{cell} * gpu::kSkyCellWords];
     const auto width = [](const std::uint32_t* e, std::uint32_t i) {
       return (e[i] - (i > 0 ? double(e[i - 1]) : 0.0)) / 0x1p32;
     };
     const std::uint32_t band = part / gpu::kSkySide;
     return width(ends, band) * width(ends + gpu::kSkySide * (1 + band), part % gpu::kSkySide);
   };
-  EXPECT_NEAR(share(kRow, 2), 0.75 * 0.25 + 0.25 / 64, 1e-4);
-  EXPECT_NEAR(share(kRow, 63), 0.75 * 0.75 + 0.25 / 64, 1e-4);
-  EXPECT_NEAR(share(kRow, 5), 0.25 / 64, 1e-4) << "never none";
+  EXPECT_NEAR(share(kCell, 2), 0.75 * 0.25 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(share(kCell, 63), 0.75 * 0.75 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(share(kCell, 5), 0.25 / 64, 1e-4) << "never none";
   for (std::uint32_t part = 0; part < gpu::kSkyParts; ++part) EXPECT_NEAR(share(0, part), 1.0 / 64, 1e-8) << part;
 }
 

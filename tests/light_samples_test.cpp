@@ -245,14 +245,14 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
     return render(rooms, settings);
   };
   const RenderResult unlearned = rendered(4, false, gpu::kLightsAuto), learned = rendered(4, true, gpu::kLightsAuto);
-  EXPECT_GT(learned.light_training.sky_rows, 0u);
+  EXPECT_GT(learned.light_training.sky_cells, 0u);
   EXPECT_EQ(unlearned.light_training.paths, 0u);
   EXPECT_FALSE(*learned.film == *unlearned.film);
   EXPECT_TRUE(*rendered(4, true, gpu::kLightsPower).film == *unlearned.film);
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_training.paths, 0u);
   RenderPlan brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
   brief.training.paths = 1000;
-  EXPECT_GT(render(rooms, brief).light_training.sky_rows, 0u) << "renders of any length learn";
+  EXPECT_GT(render(rooms, brief).light_training.sky_cells, 0u) << "renders of any length learn";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {

@@ -11,7 +11,7 @@
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
-#include "host/integrators/path/light_rows.h"
+#include "host/integrators/path/light_histograms.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
@@ -106,8 +106,8 @@ TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
   const Coverage found = measure_coverage(render(rooms, fine).picture, kRuns, [&](std::uint32_t seed) {
     coarse.seed = seed;
     RenderResult result = render(rooms, coarse);
-    EXPECT_GT(result.light_training.rows, 20u);
-    EXPECT_GT(result.light_training.sky_rows, 20u);
+    EXPECT_GT(result.light_training.cells, 20u);
+    EXPECT_GT(result.light_training.sky_cells, 20u);
     return result;
   });
   EXPECT_GE(found.covered, 13u);
@@ -119,7 +119,7 @@ TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
-  EXPECT_GT(expected.light_training.rows, 20u);
+  EXPECT_GT(expected.light_training.cells, 20u);
   expect_same_film_however_cut(rooms, whole, *expected.film);
   expect_same_film_resumed(rooms, whole, *expected.film);
 }
@@ -155,7 +155,7 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
   ASSERT_NE(entry, packed.left_out.end());
   const Subject cornell{packed, resolve_view(scene, {}, automatic.width, automatic.height)};
   const RenderResult result = render(cornell, automatic);
-  EXPECT_EQ(result.light_training.rows, 0u);
+  EXPECT_EQ(result.light_training.cells, 0u);
   EXPECT_TRUE(*result.film == *render(cornell, power).film);
   RenderPlan generic = automatic;
   generic.specialize = false;
@@ -195,29 +195,29 @@ TEST_F(LightSelection, TrainsSharesBySums) {
   const RenderPlan learned = settings(gpu::kLightsLearned, gpu::kDirectMis);
   const PackedScene packed = subject(two_rooms(40, true), learned).packed;
   std::vector<std::uint32_t> sums(kLightSumBytes / sizeof(std::uint32_t), 0);
-  constexpr std::uint32_t kRow = 7, kAround = 9;
-  const auto word = [&](std::uint32_t row, std::uint32_t column, std::uint32_t i) -> std::uint32_t& {
-    return sums[4 * (row * gpu::kLightColumns + column) + i];
+  constexpr std::uint32_t kCell = 7, kAround = 9;
+  const auto word = [&](std::uint32_t cell, std::uint32_t cluster, std::uint32_t i) -> std::uint32_t& {
+    return sums[4 * (cell * gpu::kLightClusters + cluster) + i];
   };
-  word(kRow, 2, 0) = 400, word(kRow, 2, 2) = 100; // half of them visible: root of 400 * 100
-  word(kRow, 5, 0) = 1000;                        // hidden
-  word(kRow, 6, 1) = 1, word(kRow, 6, 3) = 1;     // beyond 32 bits
-  word(kRow, gpu::kTreeColumn, 0) = 1000000;      // picks: many enough to count alone
-  word(kRow, gpu::kTreeColumn, 1) = kAround + 1;
-  const TrainedLights trained = train_light_rows(packed, sums);
-  const std::vector<std::uint32_t> before = prior_light_rows(packed);
-  EXPECT_EQ(trained.rows, 1u);
-  const auto share = [](const std::vector<std::uint32_t>& ends, std::uint32_t row, std::uint32_t column) {
-    const std::size_t i = row * gpu::kLightColumns + column;
-    return (ends[i] - (column > 0 ? double(ends[i - 1]) : 0.0)) / 0x1p32;
+  word(kCell, 2, 0) = 400, word(kCell, 2, 2) = 100; // half of them visible: root of 400 * 100
+  word(kCell, 5, 0) = 1000;                         // hidden
+  word(kCell, 6, 1) = 1, word(kCell, 6, 3) = 1;     // beyond 32 bits
+  word(kCell, gpu::kTreeCluster, 0) = 1000000;      // picks: many enough to count alone
+  word(kCell, gpu::kTreeCluster, 1) = kAround + 1;
+  const TrainedLights trained = train_light_cells(packed, sums);
+  const std::vector<std::uint32_t> before = prior_light_cells(packed);
+  EXPECT_EQ(trained.cells, 1u);
+  const auto share = [](const std::vector<std::uint32_t>& ends, std::uint32_t cell, std::uint32_t cluster) {
+    const std::size_t i = cell * gpu::kLightClusters + cluster;
+    return (ends[i] - (cluster > 0 ? double(ends[i - 1]) : 0.0)) / 0x1p32;
   };
-  EXPECT_NEAR(share(trained.ends, kRow, 6) / share(trained.ends, kRow, 2), 0x1p32 / 200.0, 0.01 * 0x1p32 / 200.0);
-  EXPECT_EQ(share(trained.ends, kRow, 5), 0.0);
-  EXPECT_NEAR(share(trained.ends, kRow, 6), 0.9, 0.001);
-  EXPECT_NEAR(share(trained.ends, kRow, gpu::kTreeColumn), 0.1 * share(before, 0, gpu::kTreeColumn), 0.001);
-  EXPECT_GT(share(trained.ends, kRow, gpu::kEnvironmentColumn), 0.0);
-  for (std::uint32_t column = 0; column < gpu::kLightColumns; ++column)
-    EXPECT_NEAR(share(trained.ends, 0, column), share(before, 0, column), 1e-8) << column; // nothing learned
+  EXPECT_NEAR(share(trained.ends, kCell, 6) / share(trained.ends, kCell, 2), 0x1p32 / 200.0, 0.01 * 0x1p32 / 200.0);
+  EXPECT_EQ(share(trained.ends, kCell, 5), 0.0);
+  EXPECT_NEAR(share(trained.ends, kCell, 6), 0.9, 0.001);
+  EXPECT_NEAR(share(trained.ends, kCell, gpu::kTreeCluster), 0.1 * share(before, 0, gpu::kTreeCluster), 0.001);
+  EXPECT_GT(share(trained.ends, kCell, gpu::kEnvironmentCluster), 0.0);
+  for (std::uint32_t cluster = 0; cluster < gpu::kLightClusters; ++cluster)
+    EXPECT_NEAR(share(trained.ends, 0, cluster), share(before, 0, cluster), 1e-8) << cluster; // nothing learned
 }
 
 } // namespace

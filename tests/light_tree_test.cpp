@@ -16,13 +16,13 @@ namespace wavepath::test {
 namespace {
 
 // Calls `visit(light, trail, subtree)` at every leaf, and checks on the way down that boxes shrink.
-void visit_leaves(const LightTree& tree, const gpu::LightCluster& at, std::uint32_t trail,
+void visit_leaves(const LightTree& tree, const gpu::LightCluster& at, std::uint32_t branches,
                   const std::function<void(std::uint32_t, std::uint32_t, const LightSubtree&)>& visit) {
   ASSERT_LT(at.depth, kDeepestLightTree);
   const gpu::LightTreeNode node = node_of(tree, at.link & gpu::kLightIndexMask);
   for (std::uint32_t k = 0; k < 2; ++k) {
     const LightSubtree next = subtree_of(at, node.child[k]);
-    const std::uint32_t to = trail | k << at.depth;
+    const std::uint32_t to = branches | k << at.depth;
     if (next.cluster.link & gpu::kLightLeaf)
       visit(next.cluster.link & gpu::kLightIndexMask, to, next);
     else
@@ -41,7 +41,7 @@ double angle_to(const LightBounds& subtree, const LightBounds& light) {
 void check(const std::vector<LightBounds>& lights) {
   const LightTree tree = build_light_tree(lights);
   ASSERT_EQ(tree.records.size(), lights.size()); // a root and n - 1 nodes of 32 bytes
-  ASSERT_EQ(tree.trails.size(), lights.size());
+  ASSERT_EQ(tree.branches.size(), lights.size());
   EXPECT_LE(tree.depth, kDeepestLightTree);
   const gpu::LightCluster root = root_of(tree);
   if (lights.size() == 1) {
@@ -49,10 +49,10 @@ void check(const std::vector<LightBounds>& lights) {
     return;
   }
   std::vector<int> seen(lights.size(), 0);
-  visit_leaves(tree, root, 0, [&](std::uint32_t light, std::uint32_t trail, const LightSubtree&) {
+  visit_leaves(tree, root, 0, [&](std::uint32_t light, std::uint32_t branches, const LightSubtree&) {
     ASSERT_LT(light, lights.size());
     ++seen[light];
-    EXPECT_EQ(trail, tree.trails[light]);
+    EXPECT_EQ(branches, tree.branches[light]);
   });
   for (const int times : seen) EXPECT_EQ(times, 1);
 
@@ -61,7 +61,7 @@ void check(const std::vector<LightBounds>& lights) {
     const LightBounds& light = lights[i];
     for (gpu::LightCluster at = root; !(at.link & gpu::kLightLeaf);) {
       const LightSubtree next =
-          subtree_of(at, node_of(tree, at.link & gpu::kLightIndexMask).child[tree.trails[i] >> at.depth & 1u]);
+          subtree_of(at, node_of(tree, at.link & gpu::kLightIndexMask).child[tree.branches[i] >> at.depth & 1u]);
       for (int axis = 0; axis < 3; ++axis) {
         const double slack = 1e-6 * (size + std::abs(light.lo[axis]) + std::abs(light.hi[axis]));
         ASSERT_LE(next.bounds.lo[axis], light.lo[axis] + slack) << i;
@@ -114,28 +114,28 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
   const LightTree parallel = build_light_tree(lights);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const LightTree serial = build_light_tree(lights);
-  EXPECT_EQ(parallel.trails, serial.trails);
+  EXPECT_EQ(parallel.branches, serial.branches);
   EXPECT_EQ(std::memcmp(parallel.records.data(), serial.records.data(), parallel.records.size() * 32), 0);
 }
 
 // A cut of the tree: each light belongs to the column that its trail passes, and to no other.
-TEST(LightTree, DividesIntoColumns) {
+TEST(LightTree, DividesIntoClusters) {
   for (const std::size_t count : {1, 5, 61, 62, 4000}) {
     const std::vector<LightBounds> lights = mixed_lights(count, 31);
     const LightTree tree = build_light_tree(lights);
-    EXPECT_EQ(tree.column_trails.size(), std::min<std::size_t>(count, gpu::kSubtreeColumns));
-    ASSERT_EQ(tree.columns.size(), count);
+    EXPECT_EQ(tree.cluster_branches.size(), std::min<std::size_t>(count, gpu::kSubtreeClusters));
+    ASSERT_EQ(tree.clusters.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
-      ASSERT_LT(tree.columns[i], tree.column_trails.size());
+      ASSERT_LT(tree.clusters[i], tree.cluster_branches.size());
       int passed = count == 1;
       gpu::LightCluster at = root_of(tree);
       while (!(at.link & gpu::kLightLeaf)) {
-        const std::uint32_t choice = tree.trails[i] >> at.depth & 1u;
+        const std::uint32_t choice = tree.branches[i] >> at.depth & 1u;
         at = subtree_of(at, node_of(tree, at.link & gpu::kLightIndexMask).child[choice]).cluster;
-        if (!(at.link & gpu::kLightColumn)) continue;
+        if (!(at.link & gpu::kLightClusterRoot)) continue;
         ++passed;
         const std::uint32_t way = (1u << at.depth) - 1u;
-        EXPECT_EQ(tree.column_trails[tree.columns[i]], tree.trails[i] & way);
+        EXPECT_EQ(tree.cluster_branches[tree.clusters[i]], tree.branches[i] & way);
       }
       EXPECT_EQ(passed, 1);
     }

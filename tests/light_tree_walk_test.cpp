@@ -19,10 +19,10 @@ struct Element {
   glm::vec3 position{0.0f};
   std::uint32_t bits = 0;
   glm::vec3 normal{0.0f};
-  std::uint32_t trail = 0;
+  std::uint32_t branches = 0;
   std::uint32_t light = 0;
-  float probability = 0.0f, below_column = 0.0f, remainder = 0.0f, asked = 0.0f, asked_below_column = 0.0f;
-  std::uint32_t in_column = 0, pad0 = 0;
+  float probability = 0.0f, below_cluster = 0.0f, remainder = 0.0f, asked = 0.0f, asked_below_cluster = 0.0f;
+  std::uint32_t in_cluster = 0, pad0 = 0;
 };
 static_assert(sizeof(Element) == 64);
 
@@ -45,8 +45,8 @@ protected:
   // The probability of every light at one receiver.
   std::vector<Element> ask_all(const LightTree& tree, const glm::vec3& position, const glm::vec3& normal) {
     std::vector<Element> ask;
-    for (const std::uint32_t trail : tree.trails)
-      ask.push_back({.position = position, .normal = normal, .trail = trail});
+    for (const std::uint32_t branches : tree.branches)
+      ask.push_back({.position = position, .normal = normal, .branches = branches});
     return run(tree, ask);
   }
   std::vector<float> probabilities(const LightTree& tree, const glm::vec3& position, const glm::vec3& normal) {
@@ -99,31 +99,31 @@ TEST_F(LightTreeWalk, PicksFollowTheirProbabilities) {
 }
 
 // Below one column, as the learned selection draws.
-TEST_F(LightTreeWalk, PicksBelowAColumnFollowTheirProbabilities) {
+TEST_F(LightTreeWalk, PicksBelowAClusterFollowTheirProbabilities) {
   const std::vector<LightBounds> lights = mixed_lights(2000, 5);
   const LightTree tree = build_light_tree(lights);
   const auto [position, normal] = kReceivers[1];
   const std::vector<Element> asked = ask_all(tree, position, normal);
-  for (const std::uint32_t column : {0u, 30u, 60u}) {
+  for (const std::uint32_t cluster : {0u, 30u, 60u}) {
     constexpr std::uint32_t kPicks = 1u << 16;
     std::vector<Element> picks(kPicks);
     for (std::uint32_t i = 0; i < kPicks; ++i)
       picks[i] = {.position = position,
                   .bits = (i << 16) + 0x8000u,
                   .normal = normal,
-                  .trail = tree.column_trails[column],
-                  .in_column = 1};
+                  .branches = tree.cluster_branches[cluster],
+                  .in_cluster = 1};
     std::vector<double> counts(lights.size());
     for (const Element& e : run(tree, picks)) {
       if (e.light == gpu::kNone) continue;
-      ASSERT_EQ(tree.columns[e.light], column);
+      ASSERT_EQ(tree.clusters[e.light], cluster);
       ASSERT_EQ(e.probability, asked[e.light].asked);
-      ASSERT_EQ(e.below_column, asked[e.light].asked_below_column);
+      ASSERT_EQ(e.below_cluster, asked[e.light].asked_below_cluster);
       counts[e.light] += 1.0;
     }
     for (std::size_t i = 0; i < lights.size(); ++i) {
-      if (tree.columns[i] == column) {
-        EXPECT_NEAR(counts[i], asked[i].asked_below_column * double(kPicks), 1.5);
+      if (tree.clusters[i] == cluster) {
+        EXPECT_NEAR(counts[i], asked[i].asked_below_cluster * double(kPicks), 1.5);
       }
     }
   }
@@ -184,7 +184,8 @@ TEST_F(LightTreeWalk, LeavesNoLightOut) {
           scale * glm::vec3(24.0f * unit(random) - 2.0f, 12.0f * unit(random), 6.0f * unit(random));
       const glm::vec3 normal = glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
       for (std::size_t i = 0; i < lights.size(); ++i)
-        ask.push_back({.position = position, .normal = normal, .trail = tree.trails[i], .light = std::uint32_t(i)});
+        ask.push_back(
+            {.position = position, .normal = normal, .branches = tree.branches[i], .light = std::uint32_t(i)});
     }
     const std::vector<Element> answers = run(tree, ask);
     int lit = 0;

@@ -40,7 +40,7 @@ MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::
   FilmShape without_splats = shape;
   without_splats.splats = false;
   const std::uint64_t film = without_splats.bytes();
-  const bool trains_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
+  const bool trains_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightCells) != 0;
   const bool has_parts = scene.environment_bytes > 0 || most_sky_samples_of(settings, features) > 1;
   const bool trains_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   std::vector<MemoryItem> items = {

@@ -180,7 +180,7 @@ void add_outcomes(std::vector<Decision>& decisions, const RenderResult& result) 
     }
     if (decision.what == "lights" && result.light_training.paths > 0) {
       const LightTraining& training = result.light_training;
-      decision.why += fmt::format("; {} cells of lights, {} of the sky", training.rows, training.sky_rows);
+      decision.why += fmt::format("; {} cells of lights, {} of the sky", training.cells, training.sky_cells);
       decision.seconds = training.seconds;
     }
     if (decision.what == "guide" && result.guide) {

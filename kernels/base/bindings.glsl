@@ -36,7 +36,7 @@ layout(set = 0, binding = kBindLights) uniform usamplerBuffer light_texels;
 
 #ifdef BIND_LIGHT_TREE
 layout(set = 0, binding = kBindLightTree) uniform usamplerBuffer light_tree;
-layout(set = 0, binding = kBindLightRows) uniform usamplerBuffer light_rows;
+layout(set = 0, binding = kBindLightCells) uniform usamplerBuffer light_cells;
 #endif
 
 #ifdef BIND_ENVIRONMENT

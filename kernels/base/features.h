@@ -48,10 +48,10 @@ GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list 
                                                          // (wave.h), and generate keeps samplers
 GPU_CONSTANT Feature kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
-GPU_CONSTANT Feature kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
-GPU_CONSTANT Feature kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
-GPU_CONSTANT Feature kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
-GPU_CONSTANT Feature kFeaturePanes = 1u << 30;     // thin smooth panes, or walls, that shadow rays pass
+GPU_CONSTANT Feature kFeatureLightTree = 1u << 27;  // many local lights: picked by a walk down a tree
+GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // in shares that a pilot has learned
+GPU_CONSTANT Feature kFeatureGuide = 1u << 29;      // directions are also drawn from a learned field
+GPU_CONSTANT Feature kFeaturePanes = 1u << 30;      // thin smooth panes, or walls, that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT Feature kFeatureTraining =
     1u << 31; // of pilots alone: their kernels note what shares of lights and of the sky, and the guide, learn from

@@ -13,12 +13,12 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kSkySideBits = 3u;
 GPU_CONSTANT uint kSkySide = 1u << kSkySideBits;
 GPU_CONSTANT uint kSkyParts = kSkySide * kSkySide; // part: kSkySide * band + column
-GPU_CONSTANT uint kSkyRowWords = kSkySide + kSkyParts;
+GPU_CONSTANT uint kSkyCellWords = kSkySide + kSkyParts;
 
-// kBindLightRows holds, behind the shares of lights where there are such, kSkyRowWords a row: ends of the bands' shares
-// of all integers, then of the columns' shares in each band. kBindLightSums likewise: four words a part, see
+// kBindLightCells holds, behind the shares of lights where there are such, kSkyCellWords a row: ends of the bands'
+// shares of all integers, then of the columns' shares in each band. kBindLightSums likewise: four words a part, see
 // kernels/path/connect.comp, and four more a row: picks, and the row of the cell around it plus one.
-GPU_CONSTANT uint kSkySumColumns = kSkyParts + 1u;
+GPU_CONSTANT uint kSkySumBins = kSkyParts + 1u;
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -13,9 +13,9 @@ GPU_CONSTANT uint kBindLightTree =
 
 // A link is the record of an inner node, or with kLightLeaf the index of a light.
 GPU_CONSTANT uint kLightLeaf = 0x80000000u;
-GPU_CONSTANT uint kLightTwoSided = 0x40000000u; // some light below shines to both sides
-GPU_CONSTANT uint kLightColumn = 0x20000000u;   // a column of the learned selection begins here
-GPU_CONSTANT uint kLightIndexMask = kLightColumn - 1u;
+GPU_CONSTANT uint kLightTwoSided = 0x40000000u;    // some light below shines to both sides
+GPU_CONSTANT uint kLightClusterRoot = 0x20000000u; // a column of the learned selection begins here
+GPU_CONSTANT uint kLightIndexMask = kLightClusterRoot - 1u;
 
 GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
 
@@ -48,13 +48,14 @@ GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
 // ---- learned selection ----------------------------------------------------------------------------------------------
 // A row for every cell of space, by hash; its columns share the light that comes there: subtrees of the light tree, the
 // environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
-GPU_CONSTANT uint kBindLightRows = 57u; // texels R32UI: by row and column the end of the column's share of all integers
+GPU_CONSTANT uint kBindLightCells =
+    57u; // texels R32UI: by row and column the end of the column's share of all integers
 GPU_CONSTANT uint kBindLightSums =
     58u; // storage uint[], four a column (kFeatureTraining), see kernels/path/connect.comp
-GPU_CONSTANT uint kLightRows = 1u << 14;
-GPU_CONSTANT uint kLightColumns = 64u;
-GPU_CONSTANT uint kSubtreeColumns = 61u;
-GPU_CONSTANT uint kEnvironmentColumn = 61u, kDirectionalColumn = 62u, kTreeColumn = 63u;
+GPU_CONSTANT uint kLightCells = 1u << 14;
+GPU_CONSTANT uint kLightClusters = 64u;
+GPU_CONSTANT uint kSubtreeClusters = 61u;
+GPU_CONSTANT uint kEnvironmentCluster = 61u, kDirectionalCluster = 62u, kTreeCluster = 63u;
 GPU_CONSTANT uint kLightCellShift = 2u; // a cell is a quarter to an eighth as wide as it is far
 
 #ifdef __cplusplus

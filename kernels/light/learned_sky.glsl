@@ -14,11 +14,11 @@
 bool uses_learned_sky() { return has_lobe(kFeatureLearnedSky) && (frame.scene_lobes & kFeatureLearnedSky) != 0u; }
 
 uint first_sky_end; // of which sky_end tells
-uint sky_end(uint i) { return texelFetch(light_rows, int(first_sky_end + i)).x; }
+uint sky_end(uint i) { return texelFetch(light_cells, int(first_sky_end + i)).x; }
 
 // The ends of a row's bands, and of the columns of one.
 uint first_band(Receiver receiver) {
-  return (uses_light_rows() ? kLightRows * kLightColumns : 0u) + light_row(receiver) * kSkyRowWords;
+  return (uses_light_cells() ? kLightCells * kLightClusters : 0u) + light_cell(receiver) * kSkyCellWords;
 }
 uint first_in_band(uint first_band_, uint band) { return first_band_ + kSkySide + band * kSkySide; }
 

@@ -10,7 +10,7 @@
 #include "kernels/base/sampler.glsl"
 
 bool uses_light_tree() { return has(kFeatureLightTree) && (frame.scene_features & kFeatureLightTree) != 0u; }
-bool uses_light_rows() { return has(kFeatureLightRows) && (frame.scene_features & kFeatureLightRows) != 0u; }
+bool uses_light_cells() { return has(kFeatureLightCells) && (frame.scene_features & kFeatureLightCells) != 0u; }
 
 // ---- receivers, packed ------------------------------------------------------------------------------------------
 // Both techniques weigh with the density from the same receiver, bit by bit: the one that is stored with the path.
@@ -33,7 +33,7 @@ Receiver unpack_receiver(uvec4 words) {
 // Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that
 // they look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above
 // 0 cells are 4^level times as wide: from these a pilot learns where it saw little.
-uint light_row(Receiver receiver, int level) {
+uint light_cell(Receiver receiver, int level) {
   vec3 place = receiver.position - frame.camera_position;
   uint exponent =
       clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
@@ -42,31 +42,31 @@ uint light_row(Receiver receiver, int level) {
   uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
   uint facing = n == vec3(0.0) ? 6u : 2u * axis + (n[axis] < 0.0 ? 1u : 0u);
   uvec3 bits = (uvec3(cell) & 0x3ffu) | uvec3(exponent, facing, 0u) << 10u;
-  return pcg3d(bits).x & (kLightRows - 1u);
+  return pcg3d(bits).x & (kLightCells - 1u);
 }
 
-uint light_row(Receiver receiver) { return light_row(receiver, 0); }
+uint light_cell(Receiver receiver) { return light_cell(receiver, 0); }
 
-uint column_row; // of which share_end tells
-uint share_end(uint column) { return texelFetch(light_rows, int(column_row * kLightColumns + column)).x; }
+uint current_cell; // of which cluster_end tells
+uint cluster_end(uint cluster) { return texelFetch(light_cells, int(current_cell * kLightClusters + cluster)).x; }
 
-float column_share(uint row, uint column) {
-  column_row = row;
-  return float(share_end(column) - (column > 0u ? share_end(column - 1u) : 0u)) * (1.0 / 4294967296.0);
+float cluster_probability(uint cell, uint cluster) {
+  current_cell = cell;
+  return float(cluster_end(cluster) - (cluster > 0u ? cluster_end(cluster - 1u) : 0u)) * (1.0 / 4294967296.0);
 }
 
 // ---- the light tree's words -------------------------------------------------------------------------------------
 // Behind the records: by light its trail and its column, two lights a texel, then the columns' trails, four a texel.
 
-uvec2 light_trail_column(uint light) {
+uvec2 light_branches_and_cluster(uint light) {
   uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * frame.local_light_count + (light >> 1u)));
   return (light & 1u) != 0u ? words.zw : words.xy;
 }
 
-uint column_trail(uint column) {
+uint cluster_branches(uint cluster) {
   uint first = kLightRecordTexels * frame.local_light_count + (frame.local_light_count + 1u >> 1u);
-  uvec4 words = texelFetch(light_tree, int(first + (column >> 2u)));
-  return words[column & 3u];
+  uvec4 words = texelFetch(light_tree, int(first + (cluster >> 2u)));
+  return words[cluster & 3u];
 }
 
 // ---- picks ------------------------------------------------------------------------------------------------------
@@ -77,10 +77,10 @@ uint placed_lights() { return frame.light_count - (frame.environment_probability
 float share_of_integers(uint count) { return float(count) * (1.0 / 4294967296.0); }
 
 // Probability of a local light, to which a walk has led.
-float local_probability(Receiver receiver, LightWalk walk, uint column) {
-  if (!uses_light_rows()) return share_of_integers(local_end()) * walk.probability;
-  uint row = light_row(receiver);
-  return column_share(row, kTreeColumn) * walk.probability + column_share(row, column) * walk.below_column;
+float local_probability(Receiver receiver, LightWalk walk, uint cluster) {
+  if (!uses_light_cells()) return share_of_integers(local_end()) * walk.probability;
+  uint cell = light_cell(receiver);
+  return cluster_probability(cell, kTreeCluster) * walk.probability + cluster_probability(cell, cluster) * walk.below_cluster;
 }
 
 uint directional_group() { return light_end(placed_lights() - 1u) - local_end(); }
@@ -100,15 +100,15 @@ uint pick_directional(inout uvec2 u, out float group_share) {
 uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
   ratio = 1.0;
   if (!uses_light_tree()) return pick_light(u);
-  uint pick = min(u.x, kLargestPick), column = kTreeColumn, begin = 0u, end = local_end();
-  if (uses_light_rows()) {
-    column_row = light_row(receiver);
-    PICK_INTERVAL(pick, kLightColumns, share_end, column, begin, end)
+  uint pick = min(u.x, kLargestPick), cluster = kTreeCluster, begin = 0u, end = local_end();
+  if (uses_light_cells()) {
+    current_cell = light_cell(receiver);
+    PICK_INTERVAL(pick, kLightClusters, cluster_end, cluster, begin, end)
     u.x = stretch(pick - begin, end - begin);
-    if (column == kEnvironmentColumn || column == kDirectionalColumn) {
+    if (cluster == kEnvironmentCluster || cluster == kDirectionalCluster) {
       float group_share = frame.environment_probability;
-      uint light = column == kEnvironmentColumn ? placed_lights() : pick_directional(u, group_share);
-      ratio = column_share(column_row, column) / group_share;
+      uint light = cluster == kEnvironmentCluster ? placed_lights() : pick_directional(u, group_share);
+      ratio = cluster_probability(current_cell, cluster) / group_share;
       return light;
     }
   } else {
@@ -116,31 +116,31 @@ uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
     u.x = stretch(pick, end);
   }
   Draw draw = make_draw(u.x);
-  uint trail = column == kTreeColumn ? 0u : column_trail(column);
-  LightWalk walk = walk_lights(receiver, trail, column == kTreeColumn, true, draw);
+  uint branches = cluster == kTreeCluster ? 0u : cluster_branches(cluster);
+  LightWalk walk = walk_lights(receiver, branches, cluster == kTreeCluster, true, draw);
   u.x = stretch(draw.value, draw.range);
   if (walk.light == kNone) return kNone;
-  ratio = local_probability(receiver, walk, light_trail_column(walk.light).y) / fetch_light(walk.light).probability;
+  ratio = local_probability(receiver, walk, light_branches_and_cluster(walk.light).y) / fetch_light(walk.light).probability;
   return walk.light;
 }
 
 // That ratio of a local light, of the environment, and of any light.
 float local_light_ratio(Receiver receiver, uint light) {
   if (!uses_light_tree()) return 1.0;
-  uvec2 trail_column = light_trail_column(light);
-  LightWalk walk = walk_to(receiver, trail_column.x);
+  uvec2 branches_and_cluster = light_branches_and_cluster(light);
+  LightWalk walk = walk_to(receiver, branches_and_cluster.x);
   if (walk.light == kNone) return 0.0;
-  return local_probability(receiver, walk, trail_column.y) / fetch_light(light).probability;
+  return local_probability(receiver, walk, branches_and_cluster.y) / fetch_light(light).probability;
 }
 float environment_ratio(Receiver receiver) {
-  if (!uses_light_rows() || !(frame.environment_probability > 0.0)) return 1.0;
-  return column_share(light_row(receiver), kEnvironmentColumn) / frame.environment_probability;
+  if (!uses_light_cells() || !(frame.environment_probability > 0.0)) return 1.0;
+  return cluster_probability(light_cell(receiver), kEnvironmentCluster) / frame.environment_probability;
 }
 float light_ratio(Receiver receiver, uint light) {
   if (light < frame.local_light_count) return local_light_ratio(receiver, light);
   if (light >= placed_lights()) return environment_ratio(receiver);
-  if (!uses_light_rows()) return 1.0;
-  return column_share(light_row(receiver), kDirectionalColumn) / share_of_integers(directional_group());
+  if (!uses_light_cells()) return 1.0;
+  return cluster_probability(light_cell(receiver), kDirectionalCluster) / share_of_integers(directional_group());
 }
 
 #endif

@@ -139,22 +139,22 @@ Fork fetch_fork(Receiver receiver, LightCluster at) {
 }
 
 // Where a walk ended: at a light, which it reaches with this probability from the root, and from the column on its way
-// with `below_column`. kNone: at subtrees that cannot contribute.
+// with `below_cluster`. kNone: at subtrees that cannot contribute.
 struct LightWalk {
   uint light;
-  float probability, below_column;
+  float probability, below_cluster;
 };
 
 const LightWalk kNowhere = LightWalk(kNone, 0.0, 0.0);
 
 // Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column
-// if `drawn_below_column`.
-LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_below_column, inout Draw draw) {
+// if `drawn_below_cluster`.
+LightWalk walk_lights(Receiver receiver, uint branches, bool drawn, bool drawn_below_cluster, inout Draw draw) {
   LightCluster at = fetch_light_root();
   LightWalk walk = LightWalk(kNone, 1.0, 1.0);
   while ((at.link & kLightLeaf) == 0u) {
     Fork fork = fetch_fork(receiver, at);
-    bool first = (trail >> at.depth & 1u) == 0u;
+    bool first = (branches >> at.depth & 1u) == 0u;
     float share = fork.share;
     if (fork.dead) return kNowhere;
     if (drawn) {
@@ -164,11 +164,11 @@ LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_belo
     if (!first) share = 1.0 - share;
     if (share == 0.0) return kNowhere;
     walk.probability *= share;
-    walk.below_column *= share;
+    walk.below_cluster *= share;
     if (first) at = fork.child[0]; else at = fork.child[1];
-    if ((at.link & kLightColumn) != 0u) {
-      walk.below_column = 1.0;
-      drawn = drawn || drawn_below_column;
+    if ((at.link & kLightClusterRoot) != 0u) {
+      walk.below_cluster = 1.0;
+      drawn = drawn || drawn_below_cluster;
     }
   }
   walk.light = at.link & kLightIndexMask;
@@ -178,12 +178,12 @@ LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_belo
 // A light drawn from the whole tree; from the subtree of a column, to which `trail` leads; and the probability of the
 // light at the end of `trail`.
 LightWalk draw_from_tree(Receiver receiver, inout Draw draw) { return walk_lights(receiver, 0u, true, true, draw); }
-LightWalk draw_from_column(Receiver receiver, uint trail, inout Draw draw) {
-  return walk_lights(receiver, trail, false, true, draw);
+LightWalk draw_from_cluster(Receiver receiver, uint branches, inout Draw draw) {
+  return walk_lights(receiver, branches, false, true, draw);
 }
-LightWalk walk_to(Receiver receiver, uint trail) {
+LightWalk walk_to(Receiver receiver, uint branches) {
   Draw none = Draw(0u, 1u, 0u);
-  return walk_lights(receiver, trail, false, false, none);
+  return walk_lights(receiver, branches, false, false, none);
 }
 
 #endif

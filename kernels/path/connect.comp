@@ -44,14 +44,14 @@ void add_to_sum(uint first, uint value) {
 // For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives, counted for
 // one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked
 // there, and the two cells around it: the host adds up what cells within one teach.
-void tally(Receiver receiver, uint first, uint columns, uint column, uint brought, bool blocked) {
-  uint sums = first + 4u * light_row(receiver) * (columns + 1u), behind = sums + 4u * columns;
+void tally(Receiver receiver, uint first, uint bins, uint bin, uint brought, bool blocked) {
+  uint sums = first + 4u * light_cell(receiver) * (bins + 1u), behind = sums + 4u * bins;
   if (brought > 0u) {
-    add_to_sum(sums + 4u * column, brought);
-    if (!blocked) add_to_sum(sums + 4u * column + 2u, brought);
+    add_to_sum(sums + 4u * bin, brought);
+    if (!blocked) add_to_sum(sums + 4u * bin + 2u, brought);
   }
   atomicAdd(light_sums[behind], 1u);
-  uint cells_around = light_row(receiver, 1) * kLightRows + light_row(receiver, 2) + 1u;
+  uint cells_around = light_cell(receiver, 1) * kLightCells + light_cell(receiver, 2) + 1u;
   if (light_sums[behind + 1u] < cells_around) // what is read may be old: then the atomic changes nothing
     atomicMax(light_sums[behind + 1u], cells_around);
 }
@@ -63,14 +63,14 @@ void tally(ShadowRay ray, bool blocked) {
   float units = luminance(ray.contribution) * frame.light_sum_scale;
   uint brought = units > 0.0 ? uint(min(units, 1e9)) : 0u; // NaN: nothing
   bool is_environment = ray.light >= placed_lights();
-  if (uses_light_rows() && !is_to_sky(ray)) {
-    uint column = is_environment ? kEnvironmentColumn : kDirectionalColumn;
-    if (ray.light < frame.local_light_count) column = light_trail_column(ray.light).y;
-    tally(receiver, 0u, kTreeColumn, column, brought, blocked);
+  if (uses_light_cells() && !is_to_sky(ray)) {
+    uint bin = is_environment ? kEnvironmentCluster : kDirectionalCluster;
+    if (ray.light < frame.local_light_count) bin = light_branches_and_cluster(ray.light).y;
+    tally(receiver, 0u, kTreeCluster, bin, brought, blocked);
   }
   if (!uses_learned_sky() || !is_environment) return;
   uvec2 part = sky_part(ray.direction);
-  uint first = uses_light_rows() ? 4u * kLightRows * kLightColumns : 0u;
+  uint first = uses_light_cells() ? 4u * kLightCells * kLightClusters : 0u;
   tally(receiver, first, kSkyParts, kSkySide * part.y + part.x, brought, blocked);
 }
 

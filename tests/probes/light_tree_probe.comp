@@ -12,11 +12,11 @@ struct Element {
   vec3 position;
   uint bits;   // of the pick
   vec3 normal;
-  uint trail;  // of the light whose probability is asked for, or of a column
+  uint branches;  // of the light whose probability is asked for, or of a column
   uint light;  // picked
-  float probability, below_column, remainder;
-  float asked, asked_below_column; // of the light at the end of `trail`
-  uint in_column;                  // 1: draw from the column that `trail` leads to
+  float probability, below_cluster, remainder;
+  float asked, asked_below_cluster; // of the light at the end of `trail`
+  uint in_cluster;                  // 1: draw from the column that `trail` leads to
   uint pad0;
 };
 layout(set = 0, binding = 1, std430) buffer Elements { Element elements[]; };
@@ -29,14 +29,14 @@ void main() {
   Receiver receiver = Receiver(e.position, e.normal);
   Draw draw = make_draw(e.bits);
   LightWalk drawn;
-  if (e.in_column != 0u) drawn = draw_from_column(receiver, e.trail, draw);
+  if (e.in_cluster != 0u) drawn = draw_from_cluster(receiver, e.branches, draw);
   else drawn = draw_from_tree(receiver, draw);
   e.light = drawn.light;
   e.probability = drawn.probability;
-  e.below_column = drawn.below_column;
+  e.below_cluster = drawn.below_cluster;
   e.remainder = remainder_of(draw);
-  LightWalk asked = walk_to(receiver, e.trail);
+  LightWalk asked = walk_to(receiver, e.branches);
   e.asked = asked.probability;
-  e.asked_below_column = asked.below_column;
+  e.asked_below_cluster = asked.below_cluster;
   elements[i] = e;
 }

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/bidirectional/bidirectional.h"
-#include "host/integrators/path/light_rows.h"
+#include "host/integrators/path/light_histograms.h"
 #include "host/render/loop/render_result.h"
 #include "host/scene/pack/features.h"
 
@@ -67,7 +67,7 @@ constinit const IntegratorKind kBidirectional = {
     .lacks_aovs = kLackedAovs,
     .nests_bodies = true,
     .splats = true,
-    .light_training_bytes = kLightRowBytes + kLightSumBytes,
+    .light_training_bytes = kLightCellBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .unsupported_reason = [](const RenderPlan&,

@@ -10,45 +10,44 @@ namespace {
 
 std::uint64_t sum_at(const std::uint32_t* words) { return words[0] | std::uint64_t{words[1]} << 32; }
 
-std::uint32_t widest_of(std::uint32_t cells_around) { return (cells_around - 1) % gpu::kLightRows; }
+std::uint32_t widest_of(std::uint32_t cells_around) { return (cells_around - 1) % gpu::kLightCells; }
 
 } // namespace
 
-std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row) {
+std::vector<std::uint32_t> in_every_cell(std::span<const std::uint32_t> cell) {
   std::vector<std::uint32_t> words;
-  words.reserve(gpu::kLightRows * row.size());
-  for (std::uint32_t r = 0; r < gpu::kLightRows; ++r) words.insert(words.end(), row.begin(), row.end());
+  words.reserve(gpu::kLightCells * cell.size());
+  for (std::uint32_t r = 0; r < gpu::kLightCells; ++r) words.insert(words.end(), cell.begin(), cell.end());
   return words;
 }
 
-CellHistograms::CellHistograms(Shares prior, std::size_t columns, double prior_picks,
-                               std::span<const std::uint32_t> sums)
-    : prior_(std::move(prior)), columns_(columns), prior_picks_(prior_picks), sums_(sums) {
-  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
-    const std::uint32_t cells = cells_around(row);
-    if (cells == 0) continue;
-    rows_.push_back(row);
-    add(row, wider_[cells]);
-    add(row, widest_[widest_of(cells)]);
+CellHistograms::CellHistograms(Shares prior, std::size_t bins, double prior_picks, std::span<const std::uint32_t> sums)
+    : prior_(std::move(prior)), bins_(bins), prior_picks_(prior_picks), sums_(sums) {
+  for (std::uint32_t cell = 0; cell < gpu::kLightCells; ++cell) {
+    const std::uint32_t wider = cells_around(cell);
+    if (wider == 0) continue;
+    cells_.push_back(cell);
+    add(cell, wider_[wider]);
+    add(cell, widest_[widest_of(wider)]);
   }
 }
 
-void CellHistograms::add(std::uint32_t row, Sums& to) const {
-  const std::uint32_t* words = row_of(row);
-  to.brought.resize(columns_), to.arrived.resize(columns_);
-  for (std::size_t c = 0; c < columns_; ++c) {
+void CellHistograms::add(std::uint32_t cell, Sums& to) const {
+  const std::uint32_t* words = words_of(cell);
+  to.brought.resize(bins_), to.arrived.resize(bins_);
+  for (std::size_t c = 0; c < bins_; ++c) {
     to.brought[c] += sum_at(words + 4 * c);
     to.arrived[c] += sum_at(words + 4 * c + 2);
   }
-  to.picks += words[4 * columns_];
+  to.picks += words[4 * bins_];
 }
 
-CellHistograms::Shares CellHistograms::trained(std::uint32_t row) {
-  const std::uint32_t cells = cells_around(row);
-  const Shares& widest = probabilities_of(widest_.at(widest_of(cells)), prior_);
+CellHistograms::Shares CellHistograms::trained(std::uint32_t cell) {
+  const std::uint32_t wider = cells_around(cell);
+  const Shares& widest = probabilities_of(widest_.at(widest_of(wider)), prior_);
   Sums own;
-  add(row, own);
-  return mix(own, probabilities_of(wider_.at(cells), widest));
+  add(cell, own);
+  return mix(own, probabilities_of(wider_.at(wider), widest));
 }
 
 const CellHistograms::Shares& CellHistograms::probabilities_of(Sums& wider, const Shares& around) const {
@@ -62,7 +61,7 @@ const CellHistograms::Shares& CellHistograms::probabilities_of(Sums& wider, cons
 CellHistograms::Shares CellHistograms::mix(const Sums& sums, const Shares& around) const {
   Shares shares(prior_.size(), 0.0);
   double total = 0.0;
-  for (std::size_t c = 0; c < columns_; ++c) {
+  for (std::size_t c = 0; c < bins_; ++c) {
     shares[c] = std::sqrt(static_cast<double>(sums.brought[c]) * static_cast<double>(sums.arrived[c]));
     total += shares[c];
   }

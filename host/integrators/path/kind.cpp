@@ -8,9 +8,9 @@
 
 #include "host/base/error.h"
 #include "host/integrators/path/guiding.h"
-#include "host/integrators/path/light_rows.h"
+#include "host/integrators/path/light_histograms.h"
 #include "host/integrators/path/path_tracer.h"
-#include "host/integrators/path/sky_rows.h"
+#include "host/integrators/path/sky_histograms.h"
 #include "host/render/render.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/path_reuse.h"
@@ -98,8 +98,8 @@ constinit const IntegratorKind kPath = {
     .passes_panes = true,
     .nests_bodies = true,
     .sorts_hits = true,
-    .light_training_bytes = kLightRowBytes + kLightSumBytes,
-    .sky_training_bytes = kSkyRowBytes + kSkySumBytes,
+    .light_training_bytes = kLightCellBytes + kLightSumBytes,
+    .sky_training_bytes = kSkyCellBytes + kSkySumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .check = check,

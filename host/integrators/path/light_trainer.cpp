@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/integrators/path/light_rows.h"
-#include "host/integrators/path/sky_rows.h"
+#include "host/integrators/path/light_histograms.h"
+#include "host/integrators/path/sky_histograms.h"
 #include "host/render/loop/segments.h"
 #include "host/render/workspace/light_training.h"
 
@@ -44,7 +44,7 @@ void LightTrainer::change(const RenderPlan& settings) {
   trains_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
   training_paths_ = settings.training.paths;
   report_ = {};
-  if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
+  if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightCells;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
   workspace_.frame.light_sum_scale =
       static_cast<float>(light_sum_scale(workspace_.scene, trains_one_colour(workspace_.scene, settings)));
@@ -54,7 +54,7 @@ void LightTrainer::change(const RenderPlan& settings) {
 void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
   Buffer& buffer = paths_.buffers[kLightShares];
   if (of_lights_) buffer.write(lights.data(), lights.size_bytes());
-  if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightRowBytes : 0);
+  if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightCellBytes : 0);
 }
 
 // What takes the host some milliseconds is done here, while kernels compile.
@@ -70,8 +70,8 @@ void LightTrainer::start() {
   need_.config.features |= gpu::kFeatureTraining;
   kernels_.start(need_);
   std::vector<std::uint32_t> lights, sky;
-  if (of_lights_) lights = prior_light_rows(workspace_.scene);
-  if (of_sky_) sky = prior_sky_rows();
+  if (of_lights_) lights = prior_light_cells(workspace_.scene);
+  if (of_sky_) sky = prior_sky_cells();
   use(lights, sky);
   paths_.buffers[kLightSums].fill_zero();
 }
@@ -89,10 +89,10 @@ void LightTrainer::finish() {
   const auto sums = look_at(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t), copy);
   TrainedLights lights;
   TrainedSky sky;
-  if (of_lights_) lights = train_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
-  if (of_sky_) sky = train_sky_rows(sums.last(of_sky / sizeof(std::uint32_t)));
+  if (of_lights_) lights = train_light_cells(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
+  if (of_sky_) sky = train_sky_cells(sums.last(of_sky / sizeof(std::uint32_t)));
   use(lights.ends, sky.ends);
-  report_.rows = lights.rows, report_.sky_rows = sky.rows;
+  report_.cells = lights.cells, report_.sky_cells = sky.cells;
   const auto share = [](bool is_trained, std::vector<std::uint32_t>& ends) {
     return is_trained ? std::make_shared<const std::vector<std::uint32_t>>(std::move(ends)) : nullptr;
   };

@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "host/integrators/path/guiding.h"
-#include "host/integrators/path/light_rows.h"
-#include "host/integrators/path/sky_rows.h"
+#include "host/integrators/path/light_histograms.h"
+#include "host/integrators/path/sky_histograms.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/light_samples.h"
 #include "kernels/path/accumulate.spv.h"
@@ -54,7 +54,7 @@ bool keeps_receivers(const Extent& e) {
 
 // Words of lights, and behind them those of parts of the sky.
 std::uint64_t learned_shares(const Extent& e, std::uint64_t of_lights, std::uint64_t of_sky) {
-  return (e.features & gpu::kFeatureLightRows ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
+  return (e.features & gpu::kFeatureLightCells ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
 }
 
 using enum BindingKind;
@@ -71,8 +71,8 @@ const std::vector<BufferRule> kRules = {
      },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
-     [](const Extent& e) { return learned_shares(e, kLightRowBytes, kSkyRowBytes); },
-     {{gpu::kBindLightRows, texels_r32ui}}},
+     [](const Extent& e) { return learned_shares(e, kLightCellBytes, kSkyCellBytes); },
+     {{gpu::kBindLightCells, texels_r32ui}}},
     {"sums of the light pilot",
      [](const Extent& e) {
        return e.options & kCapacityForLightSums ? learned_shares(e, kLightSumBytes, kSkySumBytes) : 0;

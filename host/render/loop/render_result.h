@@ -25,8 +25,8 @@ struct MemoryUse { // bytes on the device
 struct LightTraining {
   std::uint64_t paths = 0;
   double seconds = 0.0;
-  std::uint32_t rows = 0, sky_rows = 0; // of lights, of parts of an environment map
-  LightShares shares;                   // null: no pilot
+  std::uint32_t cells = 0, sky_cells = 0; // of lights, of parts of an environment map
+  LightShares shares;                     // null: no pilot
 };
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };

@@ -190,9 +190,9 @@ Json bvh_json(const PackedScene& packed) {
 
 // Learned shares of the parts of an environment map; null where there are none.
 Json sky_selection_json(const LightTraining& pilot) {
-  if (pilot.sky_rows == 0) return nullptr;
+  if (pilot.sky_cells == 0) return nullptr;
   return {{"parts", gpu::kSkyParts},
-          {"cells", pilot.sky_rows},
+          {"cells", pilot.sky_cells},
           {"pilot_paths", pilot.paths},
           {"pilot_seconds", pilot.seconds}};
 }
@@ -205,13 +205,13 @@ Json light_selection_json(const Run& run) {
   const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
   const Json sky = sky_selection_json(run.result.light_training);
   if (!tree) return {{"by", "power"}, {"places", packed.light_places}, {"sky", sky}};
-  Json selection = {{"by", run.result.light_training.rows > 0 ? "learned" : "tree"},
+  Json selection = {{"by", run.result.light_training.cells > 0 ? "learned" : "tree"},
                     {"places", packed.light_places},
                     {"nodes", packed.local_light_count - 1},
                     {"depth", packed.light_tree_depth},
                     {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
-  if (run.result.light_training.rows > 0)
-    selection.update({{"cells", run.result.light_training.rows},
+  if (run.result.light_training.cells > 0)
+    selection.update({{"cells", run.result.light_training.cells},
                       {"pilot_paths", run.result.light_training.paths},
                       {"pilot_seconds", run.result.light_training.seconds}});
   selection["sky"] = sky;

@@ -17,8 +17,9 @@ inline constexpr std::uint32_t kGuideIterations = 4;
 // Scenes for which kernels bear reuse of paths: none; those without lights or skies to train on; all.
 enum class BearsReuse { nowhere, untrained, anywhere };
 
-// What training has found of which lights reach where, as light_rows.h makes it for kernels/light/light_selection.glsl,
-// and of which parts of the sky, as sky_rows.h does for kernels/light/learned_sky.glsl; null: nothing.
+// What training has found of which lights reach where, as light_histograms.h makes it for
+// kernels/light/light_selection.glsl, and of which parts of the sky, as sky_histograms.h does for
+// kernels/light/learned_sky.glsl; null: nothing.
 struct LightShares {
   std::shared_ptr<const std::vector<std::uint32_t>> lights, sky;
   explicit operator bool() const { return lights || sky; }

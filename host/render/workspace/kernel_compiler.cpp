@@ -43,10 +43,10 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                      gpu::kFeatureLightRows | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
+                                      gpu::kFeatureLightCells | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
-  if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
+  if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightCells;
   if (!passes_panes(settings)) features &= ~(gpu::kFeaturePanes | gpu::kFeatureWalls);
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
@@ -83,7 +83,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
 gpu::Feature features_of(const RenderPlan& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
-  if (learned && settings.integrator->light_training_bytes > 0) features |= gpu::kFeatureLightRows;
+  if (learned && settings.integrator->light_training_bytes > 0) features |= gpu::kFeatureLightCells;
   if (learned && settings.integrator->sky_training_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
     features |= gpu::kFeatureLearnedSky;
   return features | settings.integrator->features(settings);

@@ -14,7 +14,7 @@ gpu::Feature kernel_features(const PackedScene& scene, const RenderPlan& setting
 } // namespace
 
 bool trains_lights(const PackedScene& scene, const RenderPlan& settings) {
-  return (kernel_features(scene, settings) & gpu::kFeatureLightRows) != 0 && !scene.light_tree.empty();
+  return (kernel_features(scene, settings) & gpu::kFeatureLightCells) != 0 && !scene.light_tree.empty();
 }
 
 bool trains_one_colour(const PackedScene& scene, const RenderPlan& settings) {

@@ -334,7 +334,7 @@ gpu::LightTreeChild round_child(const ClusterBounds& b, std::uint32_t link, cons
 }
 
 // Rounds the nodes below `cluster` against the boxes that the kernels will compute.
-void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& cluster, std::uint32_t trail,
+void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& cluster, std::uint32_t branches,
                  double whole_intensity, LightTree& tree) {
   const std::uint32_t record = cluster.link & gpu::kLightIndexMask;
   const Split& split = splits[record - 1];
@@ -343,13 +343,13 @@ void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& clus
   tree.records[record] = std::bit_cast<LightTree::Record>(node);
   const auto go_on = [&](std::uint32_t k) {
     const gpu::LightCluster next = subtree_of(cluster, node.child[k]).cluster;
-    const std::uint32_t to = trail | k << cluster.depth;
+    const std::uint32_t to = branches | k << cluster.depth;
     if (next.link & gpu::kLightLeaf)
-      tree.trails[next.link & gpu::kLightIndexMask] = to;
+      tree.branches[next.link & gpu::kLightIndexMask] = to;
     else
       round_nodes(splits, next, to, whole_intensity, tree);
   };
-  if (tree.trails.size() < kParallelLights || cluster.depth > 8) {
+  if (tree.branches.size() < kParallelLights || cluster.depth > 8) {
     go_on(0);
     go_on(1);
   } else {
@@ -357,46 +357,46 @@ void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& clus
   }
 }
 
-void assign_column(LightTree& tree, std::uint32_t link, std::uint32_t column) {
+void assign_cluster(LightTree& tree, std::uint32_t link, std::uint32_t cluster) {
   const std::uint32_t index = link & gpu::kLightIndexMask;
   if (link & gpu::kLightLeaf)
-    tree.columns[index] = column;
+    tree.clusters[index] = cluster;
   else
-    for (const gpu::LightTreeChild& child : node_of(tree, index).child) assign_column(tree, child.link, column);
+    for (const gpu::LightTreeChild& child : node_of(tree, index).child) assign_cluster(tree, child.link, cluster);
 }
 
 // Columns are the subtrees that remain when those of the largest intensity times size are divided, one after the other.
-void choose_columns(LightTree& tree) {
-  struct Column {
+void choose_clusters(LightTree& tree) {
+  struct Chosen {
     gpu::LightCluster cluster;
     double weight; // 0: a light alone
-    std::uint32_t trail, parent, child;
+    std::uint32_t branches, parent, child;
   };
   const gpu::LightCluster root = root_of(tree);
-  std::vector<Column> columns{{root, root.link & gpu::kLightLeaf ? 0.0 : INFINITY, 0, 0, 0}};
-  while (columns.size() < gpu::kSubtreeColumns) {
-    const auto widest = std::ranges::max_element(columns, {}, &Column::weight);
+  std::vector<Chosen> clusters{{root, root.link & gpu::kLightLeaf ? 0.0 : INFINITY, 0, 0, 0}};
+  while (clusters.size() < gpu::kSubtreeClusters) {
+    const auto widest = std::ranges::max_element(clusters, {}, &Chosen::weight);
     if (!(widest->weight > 0.0)) break;
-    const Column from = *widest;
-    columns.erase(widest);
+    const Chosen from = *widest;
+    clusters.erase(widest);
     const std::uint32_t record = from.cluster.link & gpu::kLightIndexMask;
     for (std::uint32_t k = 0; k < 2; ++k) {
       const LightSubtree next = subtree_of(from.cluster, node_of(tree, record).child[k]);
       const bool leaf = (next.cluster.link & gpu::kLightLeaf) != 0;
       const double size = glm::length(next.cluster.hi - next.cluster.lo) + 1e-30;
-      columns.push_back(
-          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size, from.trail | k << from.cluster.depth, record, k});
+      clusters.push_back({next.cluster, leaf ? 0.0 : next.bounds.intensity * size,
+                          from.branches | k << from.cluster.depth, record, k});
     }
   }
-  tree.columns.assign(tree.trails.size(), 0);
-  for (std::uint32_t i = 0; i < columns.size(); ++i) {
-    const Column& column = columns[i];
-    tree.column_trails.push_back(column.trail);
-    assign_column(tree, column.cluster.link, i);
-    if (column.parent == 0) continue; // the root, a light alone
-    gpu::LightTreeNode node = node_of(tree, column.parent);
-    node.child[column.child].link |= gpu::kLightColumn;
-    tree.records[column.parent] = std::bit_cast<LightTree::Record>(node);
+  tree.clusters.assign(tree.branches.size(), 0);
+  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+    const Chosen& chosen = clusters[i];
+    tree.cluster_branches.push_back(chosen.branches);
+    assign_cluster(tree, chosen.cluster.link, i);
+    if (chosen.parent == 0) continue; // the root, a light alone
+    gpu::LightTreeNode node = node_of(tree, chosen.parent);
+    node.child[chosen.child].link |= gpu::kLightClusterRoot;
+    tree.records[chosen.parent] = std::bit_cast<LightTree::Record>(node);
   }
 }
 
@@ -450,7 +450,7 @@ LightBounds spot_light_bounds(const glm::vec3& position, const glm::vec3& axis, 
 LightTree build_light_tree(std::span<const LightBounds> lights) {
   LightTree tree;
   tree.records.resize(lights.size());
-  tree.trails.assign(lights.size(), 0);
+  tree.branches.assign(lights.size(), 0);
   Builder builder(lights);
   const auto count = static_cast<std::uint32_t>(lights.size());
   const ClusterBounds whole = builder.build(0, count, 1, 0);
@@ -458,27 +458,27 @@ LightTree build_light_tree(std::span<const LightBounds> lights) {
   tree.records[0] = std::bit_cast<LightTree::Record>(root);
   if (count > 1) round_nodes(builder.splits, root, 0, whole.intensity, tree);
   tree.depth = depth_below(tree, root.link);
-  choose_columns(tree);
+  choose_clusters(tree);
   return tree;
 }
 
 std::uint64_t light_tree_bytes(std::uint64_t lights) {
-  return (2 * lights + (lights + 1) / 2 + (gpu::kSubtreeColumns + 3) / 4) * sizeof(glm::uvec4);
+  return (2 * lights + (lights + 1) / 2 + (gpu::kSubtreeClusters + 3) / 4) * sizeof(glm::uvec4);
 }
 
 std::vector<glm::uvec4> light_tree_words(const LightTree& tree) {
-  const std::size_t lights = tree.trails.size();
+  const std::size_t lights = tree.branches.size();
   std::vector<glm::uvec4> words(light_tree_bytes(lights) / sizeof(glm::uvec4), glm::uvec4(0));
   for (std::size_t i = 0; i < lights; ++i) {
     const std::uint32_t* w = tree.records[i].words;
     words[2 * i] = {w[0], w[1], w[2], w[3]};
     words[2 * i + 1] = {w[4], w[5], w[6], w[7]};
     glm::uvec4& pair = words[2 * lights + i / 2];
-    pair[i % 2 * 2] = tree.trails[i];
-    pair[i % 2 * 2 + 1] = tree.columns[i];
+    pair[i % 2 * 2] = tree.branches[i];
+    pair[i % 2 * 2 + 1] = tree.clusters[i];
   }
-  glm::uvec4* columns = &words[2 * lights + (lights + 1) / 2];
-  for (std::size_t c = 0; c < tree.column_trails.size(); ++c) columns[c / 4][c % 4] = tree.column_trails[c];
+  glm::uvec4* clusters = &words[2 * lights + (lights + 1) / 2];
+  for (std::size_t c = 0; c < tree.cluster_branches.size(); ++c) clusters[c / 4][c % 4] = tree.cluster_branches[c];
   return words;
 }
 

@@ -36,11 +36,11 @@ struct LightTree {
   struct Record {
     std::uint32_t words[8];
   };
-  std::vector<Record> records;              // the root, then one node less than there are lights: 32 bytes a light
-  std::vector<std::uint32_t> trails;        // by light the choices that lead to it, bit d the one at depth d
-  std::vector<std::uint32_t> columns;       // by light the column of the learned selection that it belongs to
-  std::vector<std::uint32_t> column_trails; // by column
-  std::uint32_t depth = 0;                  // most choices that lead to a light
+  std::vector<Record> records;                 // the root, then one node less than there are lights: 32 bytes a light
+  std::vector<std::uint32_t> branches;         // by light the choices that lead to it, bit d the one at depth d
+  std::vector<std::uint32_t> clusters;         // by light the column of the learned selection that it belongs to
+  std::vector<std::uint32_t> cluster_branches; // by column
+  std::uint32_t depth = 0;                     // most choices that lead to a light
 };
 
 // At least one light, each with power. The result does not depend on the number of threads.

@@ -1,4 +1,4 @@
-#include "host/integrators/path/sky_rows.h"
+#include "host/integrators/path/sky_histograms.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -32,17 +32,17 @@ std::vector<std::uint32_t> ends_of(const Shares& shares) {
 
 } // namespace
 
-std::vector<std::uint32_t> prior_sky_rows() { return in_every_row(ends_of(equal_shares())); }
+std::vector<std::uint32_t> prior_sky_cells() { return in_every_cell(ends_of(equal_shares())); }
 
-TrainedSky train_sky_rows(std::span<const std::uint32_t> sums) {
-  TrainedSky trained{.ends = prior_sky_rows()};
+TrainedSky train_sky_cells(std::span<const std::uint32_t> sums) {
+  TrainedSky trained{.ends = prior_sky_cells()};
   CellHistograms all(equal_shares(), gpu::kSkyParts, kSkyPriorPicks, sums);
-  for (const std::uint32_t row : all.rows()) {
-    Shares shares = all.trained(row);
+  for (const std::uint32_t cell : all.cells()) {
+    Shares shares = all.trained(cell);
     for (double& share : shares) share = kLeastSkyPrior / gpu::kSkyParts + (1.0 - kLeastSkyPrior) * share;
-    std::ranges::copy(ends_of(shares), trained.ends.begin() + std::ptrdiff_t{row} * gpu::kSkyRowWords);
+    std::ranges::copy(ends_of(shares), trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kSkyCellWords);
   }
-  trained.rows = static_cast<std::uint32_t>(all.rows().size());
+  trained.cells = static_cast<std::uint32_t>(all.cells().size());
   return trained;
 }
 

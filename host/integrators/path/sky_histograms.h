@@ -10,20 +10,20 @@
 
 namespace wavepath {
 
-inline constexpr std::uint64_t kSkyRowBytes =
-    std::uint64_t{gpu::kLightRows} * gpu::kSkyRowWords * sizeof(std::uint32_t);
+inline constexpr std::uint64_t kSkyCellBytes =
+    std::uint64_t{gpu::kLightCells} * gpu::kSkyCellWords * sizeof(std::uint32_t);
 inline constexpr std::uint64_t kSkySumBytes =
-    std::uint64_t{4} * gpu::kLightRows * gpu::kSkySumColumns * sizeof(std::uint32_t);
+    std::uint64_t{4} * gpu::kLightCells * gpu::kSkySumBins * sizeof(std::uint32_t);
 
 struct TrainedSky {
   std::vector<std::uint32_t> ends;
-  std::uint32_t rows = 0; // that learned anything
+  std::uint32_t cells = 0; // that learned anything
 };
 
 // Every row: all parts alike.
-std::vector<std::uint32_t> prior_sky_rows();
+std::vector<std::uint32_t> prior_sky_cells();
 
 // Rows that the pilot has not reached stay as they are without it.
-TrainedSky train_sky_rows(std::span<const std::uint32_t> sums);
+TrainedSky train_sky_cells(std::span<const std::uint32_t> sums);
 
 } // namespace wavepath

@@ -1,5 +1,5 @@
-// Turns a pilot's sums into shares; see light_rows.h.
-#include "host/integrators/path/light_rows.h"
+// Turns a pilot's sums into shares; see light_histograms.h.
+#include "host/integrators/path/light_histograms.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -19,34 +19,34 @@ using Shares = CellHistograms::Shares;
 constexpr double kLeastPrior = 0.1, kPriorPicks = 128.0;
 
 Shares shares_by_power(const PackedScene& scene) {
-  Shares shares(gpu::kLightColumns, 0.0);
+  Shares shares(gpu::kLightClusters, 0.0);
   double local = 0.0, directional = 0.0;
   const std::size_t distant = scene.lights.size() - (scene.environment_probability > 0.0f ? 1 : 0);
   for (std::size_t i = 0; i < distant; ++i)
     (i < scene.local_light_count ? local : directional) += scene.lights[i].probability;
-  shares[gpu::kTreeColumn] = local;
-  shares[gpu::kDirectionalColumn] = directional;
-  shares[gpu::kEnvironmentColumn] = scene.environment_probability;
+  shares[gpu::kTreeCluster] = local;
+  shares[gpu::kDirectionalCluster] = directional;
+  shares[gpu::kEnvironmentCluster] = scene.environment_probability;
   return shares;
 }
 
 } // namespace
 
-std::vector<std::uint32_t> prior_light_rows(const PackedScene& scene) {
-  return in_every_row(build_intervals(shares_by_power(scene)));
+std::vector<std::uint32_t> prior_light_cells(const PackedScene& scene) {
+  return in_every_cell(build_intervals(shares_by_power(scene)));
 }
 
-TrainedLights train_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums) {
+TrainedLights train_light_cells(const PackedScene& scene, std::span<const std::uint32_t> sums) {
   const Shares prior = shares_by_power(scene);
-  TrainedLights trained{.ends = prior_light_rows(scene)};
-  CellHistograms all(prior, gpu::kTreeColumn, kPriorPicks, sums);
-  for (const std::uint32_t row : all.rows()) {
-    Shares shares = all.trained(row);
-    for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
+  TrainedLights trained{.ends = prior_light_cells(scene)};
+  CellHistograms all(prior, gpu::kTreeCluster, kPriorPicks, sums);
+  for (const std::uint32_t cell : all.cells()) {
+    Shares shares = all.trained(cell);
+    for (std::size_t c = 0; c < gpu::kLightClusters; ++c)
       shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
-    std::ranges::copy(build_intervals(shares), trained.ends.begin() + std::ptrdiff_t{row} * gpu::kLightColumns);
+    std::ranges::copy(build_intervals(shares), trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kLightClusters);
   }
-  trained.rows = static_cast<std::uint32_t>(all.rows().size());
+  trained.cells = static_cast<std::uint32_t>(all.cells().size());
   return trained;
 }
 
