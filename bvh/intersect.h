@@ -104,10 +104,10 @@ inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, 
   const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x), rest = v + w;
   if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0}; // not a hit: t > t_error is false
   const float weight = std::clamp((ey * b.x - ex * b.y) / area, 0.0f, 1.0f);
-  const float share_b = rest != 0 ? v / rest : 0.0f, share_c = rest != 0 ? w / rest : 1.0f;
+  const float fraction_b = rest != 0 ? v / rest : 0.0f, fraction_c = rest != 0 ? w / rest : 1.0f;
   // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
-  const float base = std::fabs(b.z) < std::fabs(c.z) ? b.z + share_c * (c.z - b.z) : c.z + share_b * (b.z - c.z);
-  Place place{base + weight * (apex.z - base), 0, weight, (1 - weight) * share_b};
+  const float base = std::fabs(b.z) < std::fabs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
+  Place place{base + weight * (apex.z - base), 0, weight, (1 - weight) * fraction_b};
   if (std::min(apex.z, std::min(b.z, c.z)) > 0) return place; // their signs are exact
 
   // Otherwise bound the error of t. In 1/eps: shear() moves a vertex across the ray by 3 (extent + depth), which moves
@@ -116,14 +116,14 @@ inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, 
   // changes its sign. All is rounded up for divisions within 2.5 ulp and for the rounding of the bound itself.
   const float extent_a = std::max(std::fabs(apex.x), std::fabs(apex.y)), to_depth = 1 / std::fabs(ray.sz);
   const float extent_b = std::max(std::fabs(b.x), std::fabs(b.y)), extent_c = std::max(std::fabs(c.x), std::fabs(c.y));
-  const float weight_b = place.b, weight_c = (1 - weight) * share_c, edge = std::max(std::fabs(ex), std::fabs(ey));
+  const float weight_b = place.b, weight_c = (1 - weight) * fraction_c, edge = std::max(std::fabs(ex), std::fabs(ey));
   const float depths = weight * std::fabs(apex.z) + weight_b * std::fabs(b.z) + weight_c * std::fabs(c.z);
   const float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths * to_depth;
   const float longest = extent_a + std::max(extent_b, extent_c);
   const float apex_error = edge * (8 * move + 6 * extent_b + 12 * weight * longest) / std::fabs(area);
-  const float share_error = (8 * move * longest + 6 * extent_a * (extent_b + extent_c)) / std::fabs(area);
+  const float fraction_error = (8 * move * longest + 6 * extent_a * (extent_b + extent_c)) / std::fabs(area);
   place.t_error = 0x1p-24f * (12 * depths + apex_error * std::fabs(apex.z - base) +
-                              std::min(share_error, 0x1p24f) * std::fabs(b.z - c.z));
+                              std::min(fraction_error, 0x1p24f) * std::fabs(b.z - c.z));
   return place;
 }
 

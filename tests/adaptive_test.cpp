@@ -54,46 +54,46 @@ Film pilot_of(std::uint32_t width, std::uint32_t height, Apart apart) {
   return pilot;
 }
 
-TEST(SampleShares, GiveNoisyRunsMoreAndKeepTheTotal) {
+TEST(SampleDistribution, GiveNoisyRunsMoreAndKeepTheTotal) {
   const Film pilot = pilot_of(16, 16, [](auto x, auto y) { return x < 2 && y < 2 ? 60u : 10u; });
-  const SampleShares shares = share_samples(pilot, 64, 64); // one tile of 8x8 is noisy, at a corner
-  ASSERT_EQ(shares.levels.size(), 64u);
-  EXPECT_EQ(std::ranges::max(shares.levels), shares.levels[0]);
-  EXPECT_LE(std::ranges::count(shares.levels, shares.levels[0]), 4) << "itself and those beside it";
-  EXPECT_LE(mean_factor(shares.levels, 64 * 64), 1.0);
-  EXPECT_GT(mean_factor(shares.levels, 64 * 64), 0.5);
+  const SampleDistribution distribution = distribute_samples(pilot, 64, 64); // one tile of 8x8 is noisy, at a corner
+  ASSERT_EQ(distribution.levels.size(), 64u);
+  EXPECT_EQ(std::ranges::max(distribution.levels), distribution.levels[0]);
+  EXPECT_LE(std::ranges::count(distribution.levels, distribution.levels[0]), 4) << "itself and those beside it";
+  EXPECT_LE(mean_factor(distribution.levels, 64 * 64), 1.0);
+  EXPECT_GT(mean_factor(distribution.levels, 64 * 64), 0.5);
 }
 
 std::uint32_t hash(std::uint32_t x, std::uint32_t y) { return gpu::probe_hash(y * 4096 + x); }
 
 // Where noise is even, what single pixels show of it is chance, and chance promises nothing.
-TEST(SampleShares, PromiseNothingWhereNoiseIsEven) {
+TEST(SampleDistribution, PromiseNothingWhereNoiseIsEven) {
   const Film even = pilot_of(64, 48, [](auto x, auto y) { return hash(x, y) % 200; });
-  EXPECT_GT(share_samples(even, 256, 192).cost, 0.97);
+  EXPECT_GT(distribute_samples(even, 256, 192).cost, 0.97);
   const Film none = pilot_of(64, 48, [](auto, auto) { return 0u; });
-  EXPECT_EQ(share_samples(none, 256, 192).cost, 1.0);
-  const std::vector<std::int8_t> levels = share_samples(none, 256, 192).levels;
+  EXPECT_EQ(distribute_samples(none, 256, 192).cost, 1.0);
+  const std::vector<std::int8_t> levels = distribute_samples(none, 256, 192).levels;
   EXPECT_EQ(std::ranges::count(levels, 0), std::ptrdiff_t{256 * 192 / kRunPixels});
 }
 
 // Half of the picture has a quarter of the noise: (1/2 + 1/8)^2 / (1/2 + 1/32) = 0.735 of the error at equal samples by
 // any factors, 0.82 by powers of two that keep the total.
-TEST(SampleShares, PromiseWhatUnequalNoiseGives) {
+TEST(SampleDistribution, PromiseWhatUnequalNoiseGives) {
   const Film halves = pilot_of(64, 48, [](auto x, auto y) { return hash(x, y) % (x < 32 ? 200u : 50u); });
-  EXPECT_NEAR(share_samples(halves, 256, 192).cost, 0.82, 0.04);
+  EXPECT_NEAR(distribute_samples(halves, 256, 192).cost, 0.82, 0.04);
 }
 
 // A background without noise gives its samples away; but it took little of the time.
-TEST(SampleShares, CountBackgroundsAsCheap) {
+TEST(SampleDistribution, CountBackgroundsAsCheap) {
   const Film object = pilot_of(64, 48, [](auto x, auto y) { return x < 32 ? hash(x, y) % 200 : 0u; });
-  const SampleShares shares = share_samples(object, 256, 192);
-  const double factor = mean_factor(shares.levels, 256 * 192);
+  const SampleDistribution distribution = distribute_samples(object, 256, 192);
+  const double factor = mean_factor(distribution.levels, 256 * 192);
   EXPECT_NEAR(factor, 1.0, 0.15);
-  EXPECT_GT(shares.cost, 0.85) << "half the picture is free: counted as dear it would promise 0.5";
-  EXPECT_LT(shares.cost, 0.99);
+  EXPECT_GT(distribution.cost, 0.85) << "half the picture is free: counted as dear it would promise 0.5";
+  EXPECT_LT(distribution.cost, 0.99);
 }
 
-TEST(SampleShares, ComeFromAPilotOfAFewPaths) {
+TEST(SampleDistribution, ComeFromAPilotOfAFewPaths) {
   for (const std::uint64_t pixels : {std::uint64_t{1} << 14, std::uint64_t{1} << 15}) {
     const std::uint64_t part = noise_pilot_part(pixels);
     for (const std::uint32_t planned : {32u, 44u, 64u, 100u, 65536u}) {
@@ -377,7 +377,7 @@ TEST_F(AdaptiveRender, ErrorProbesTellTheirError) {
 
 // Auto shares samples out in the Cornell box, whose surroundings are black and whose corners are noisy, but not where
 // every pixel has the noise of every other; there it is bit for bit the even render.
-TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
+TEST_F(AdaptiveRender, AutoAdaptsWhereThatPays) {
   RenderPlan settings = settings_of(256, 128, 64);
   settings.adaptive = kAdaptiveAuto;
   settings.looks_for_noise = true;

@@ -47,7 +47,7 @@ float looked_up(const Image& image, const TextureSlot& slot, glm::vec2 uv) {
   const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
   const Taps column = taps(wrapped(uv.x, slot.wrap_u) * static_cast<float>(width), width, slot, slot.wrap_u),
              row = taps(wrapped(uv.y, slot.wrap_v) * static_cast<float>(height), height, slot, slot.wrap_v);
-  const auto between = [](float first, float second, float share) { return first + share * (second - first); };
+  const auto between = [](float first, float second, float fraction) { return first + fraction * (second - first); };
   const auto mixed = [&](int y) {
     return between(texel_alpha(image, column.first, y), texel_alpha(image, column.second, y), column.weight);
   };

@@ -79,7 +79,7 @@ TEST_F(AntialiasTest, NoneIsWhatTheCentreShows) {
     ASSERT_EQ(picture[i], coverage(i % kSide, i / kSide, 0.37, 0.1, 1)) << i % kSide << "," << i / kSide;
 }
 
-TEST_F(AntialiasTest, SupersamplingIsTheShareOfItsGrid) {
+TEST_F(AntialiasTest, SupersamplingIsTheFractionOfItsGrid) {
   for (const int side : {2, 4}) {
     const std::vector<float> picture = light(half_plane(0.37f, 0.1f), antialias_settings("supersample", side * side));
     for (int i = 0; i < kSide * kSide; ++i)
@@ -113,12 +113,12 @@ TEST_F(AntialiasTest, FiltersOfEdgesLeaveTheRestAlone) {
 // than half, on steep ones less than three quarters.
 TEST_F(AntialiasTest, FiltersOfEdgesBringThemNearerToTheirCoverage) {
   for (const char* name : {"fxaa", "smaa"})
-    for (const auto& [slope, share] :
+    for (const auto& [slope, fraction] :
          {std::pair(0.125f, 0.5), std::pair(0.2f, 0.5), std::pair(0.37f, 0.75), std::pair(3.1f, 0.75)}) {
       const Scene scene = half_plane(slope, 0.3f);
       const double before = error(light(scene, antialias_settings("none")), slope, 0.3),
                    after = error(light(scene, antialias_settings(name)), slope, 0.3);
-      EXPECT_LT(after, share * before) << name << " " << slope;
+      EXPECT_LT(after, fraction * before) << name << " " << slope;
     }
 }
 

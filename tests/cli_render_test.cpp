@@ -243,9 +243,9 @@ TEST_F(CliRenderTest, BiasTellsHowMuchLightIsLost) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const std::string bias = Json::parse(outcome.out)["bias"].dump();
     const std::size_t at = std::min(bias.find("off mirrors"), bias.size());
-    double share = -1.0, error = -1.0;
-    EXPECT_EQ(std::sscanf(bias.c_str() + at, "off mirrors is missing: %lf %% +- %lf %%", &share, &error), 2) << bias;
-    return std::pair{share, error};
+    double fraction = -1.0, error = -1.0;
+    EXPECT_EQ(std::sscanf(bias.c_str() + at, "off mirrors is missing: %lf %% +- %lf %%", &fraction, &error), 2) << bias;
+    return std::pair{fraction, error};
   };
   const auto [of_bulb, bulb_error] = lost("caustics/bulb_point.glb");
   EXPECT_GT(of_bulb, 90.0);

@@ -17,16 +17,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(Deal, SharesAddUp) {
+TEST(Deal, PartsAddUp) {
   for (const std::vector<double>& speeds :
        {std::vector<double>{1.0}, {1.0, 1.0}, {1.0, 3.0}, {1e-9, 1.0, 1e9}, {0.0, 2.0}, {0.1, 0.1, 0.1}})
     for (const std::uint32_t count : {0u, 1u, 2u, 7u, 64u, 65536u}) {
-      const auto shares = deal(count, speeds);
-      ASSERT_EQ(shares.size(), speeds.size());
-      EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0u), count);
+      const auto fractions = deal(count, speeds);
+      ASSERT_EQ(fractions.size(), speeds.size());
+      EXPECT_EQ(std::accumulate(fractions.begin(), fractions.end(), 0u), count);
       for (std::size_t i = 0; i < speeds.size(); ++i) {
         const double exact = count * speeds[i] / std::accumulate(speeds.begin(), speeds.end(), 0.0);
-        EXPECT_NEAR(shares[i], exact, 1.0);
+        EXPECT_NEAR(fractions[i], exact, 1.0);
       }
     }
   EXPECT_EQ(deal(8, std::vector<double>{1.0, 3.0}), (std::vector<std::uint32_t>{2, 6}));
@@ -58,7 +58,7 @@ protected:
     for (std::size_t c = 0; c < first.channels.size(); ++c)
       EXPECT_EQ(first.channels[c].values, second.channels[c].values) << first.channels[c].name;
   }
-  Json shares(const std::string& stats) const {
+  Json fractions(const std::string& stats) const {
     std::ifstream file(path(stats));
     return Json::parse(file)["devices"];
   }
@@ -71,8 +71,8 @@ private:
 // All samples, none twice.
 void expect_whole(const Json& devices, std::uint32_t samples) {
   std::vector<int> times(samples);
-  for (const Json& share : devices["shares"])
-    for (const Json& range : share["ranges"])
+  for (const Json& fraction : devices["shares"])
+    for (const Json& range : fraction["ranges"])
       for (std::uint32_t s = range[0]; s < range[1]; ++s) ++times.at(s);
   EXPECT_EQ(times, std::vector<int>(samples, 1));
 }
@@ -85,11 +85,11 @@ TEST_F(Devices, TwoHaveTheBitsOfOne) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.err.find("validation:"), std::string::npos) << outcome.err;
     expect_same_bits("two.exr", "one.exr");
-    const Json devices = shares("two.json");
+    const Json devices = fractions("two.json");
     EXPECT_TRUE(devices["bits_agree"]);
     ASSERT_EQ(devices["shares"].size(), 2u);
     expect_whole(devices, 24);
-    for (const Json& share : devices["shares"]) EXPECT_GT(share["samples"], 0);
+    for (const Json& fraction : devices["shares"]) EXPECT_GT(fraction["samples"], 0);
   }
 }
 
@@ -115,7 +115,7 @@ TEST_F(Devices, TheOthersTakeOverFromOneThatIsLost) {
         render("two.exr", {"--integrator", "path", "--devices", "0,0", "--stats", "two.json"}, lose);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     expect_same_bits("two.exr", "one.exr");
-    const Json devices = shares("two.json");
+    const Json devices = fractions("two.json");
     expect_whole(devices, 24);
     const Json& lost = devices["shares"][std::string(lose).back() - '0'];
     if (!lost["lost"]) continue; // it was done before
@@ -137,8 +137,8 @@ TEST_F(Devices, ATargetEndsThem) {
                                              "--target-error", "0.2", "--stats", "two.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   std::uint32_t samples = 0;
-  const Json devices = shares("two.json");
-  for (const Json& share : devices["shares"]) samples += share["samples"].get<std::uint32_t>();
+  const Json devices = fractions("two.json");
+  for (const Json& fraction : devices["shares"]) samples += fraction["samples"].get<std::uint32_t>();
   EXPECT_LT(samples, 4096u);
 }
 
@@ -154,9 +154,9 @@ TEST_F(Devices, APictureWithHolesIsNoPart) {
                                                total, "--time", seconds, "--mergeable", "--stats", "two.json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;
-    const Json devices = shares("two.json");
-    for (const Json& share : devices["shares"])
-      for (const Json& range : share["ranges"])
+    const Json devices = fractions("two.json");
+    for (const Json& fraction : devices["shares"])
+      for (const Json& range : fraction["ranges"])
         if (range[0] != range[1]) ranges.emplace_back(range[0], range[1]);
     std::ranges::sort(ranges);
     bool holes = false;
@@ -168,7 +168,7 @@ TEST_F(Devices, APictureWithHolesIsNoPart) {
   }
 }
 
-TEST_F(Devices, WhatCannotBeSharedOutIsRefused) {
+TEST_F(Devices, WhatCannotBeSplitIsRefused) {
   for (const std::vector<std::string>& flags : {std::vector<std::string>{"--device", "0"},
                                                 {"--checkpoint", path("state")},
                                                 {"--adaptive", "--integrator", "path"},

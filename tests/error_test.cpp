@@ -140,7 +140,7 @@ TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam();
   // A twelfth of the error is left in the reference. The error of smaller pictures depends on single pixels: at 24x24 a
   // pixel that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
-  // (largest_sample_share).
+  // (largest_sample_fraction).
   constexpr std::uint32_t kSide = kCornellSide, kSamples = 16, kReference = 128;
   RenderPlan settings = small(kSide, kSamples);
   settings.sampler = c.sampler;
@@ -267,8 +267,8 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels, on_device);
   settings.adaptive = kAdaptiveOn;
   const DepthCut adaptive = measure_depth_cut(device(), packed, view, settings, kernels, on_device);
-  EXPECT_GT(even.share, 0.0);
-  EXPECT_EQ(adaptive.share, even.share);
+  EXPECT_GT(even.fraction, 0.0);
+  EXPECT_EQ(adaptive.fraction, even.fraction);
   EXPECT_EQ(adaptive.standard_error, even.standard_error);
 }
 
@@ -292,7 +292,7 @@ TEST(ErrorProbesEstimate, AFireflyIsSeenWhereverItIs) {
   const double quiet = kNoise * kNoise * kWeight;
   const ErrorEstimate even = estimate_error(film);
   EXPECT_NEAR(even.relative_rms * even.relative_rms, quiet, 0.25 * quiet);
-  EXPECT_LT(even.largest_sample_share, 0.1);
+  EXPECT_LT(even.largest_sample_fraction, 0.1);
 
   const std::size_t block = 100, probed = probed_pixel(film, block), other = probed ^ 1;
   ASSERT_EQ(block_of(film, other), block);
@@ -308,7 +308,7 @@ TEST(ErrorProbesEstimate, AFireflyIsSeenWhereverItIs) {
     const ErrorEstimate error = estimate_error(spoilt);
     EXPECT_GT(error.ci95[1] * error.ci95[1], 0.95 * expected);
     EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
-    EXPECT_GT(error.largest_sample_share, 0.9);
+    EXPECT_GT(error.largest_sample_fraction, 0.9);
   }
 }
 

@@ -271,13 +271,13 @@ std::vector<Scene> assets() {
   return scenes;
 }
 
-TEST(Framing, ObjectsFillTheirShareOfThePictureAndAreInItsMiddle) {
+TEST(Framing, ObjectsFillTheirFractionOfThePictureAndAreInItsMiddle) {
   for (const Scene& scene : assets()) {
     const Framing framing = find_framing(scene, false);
     for (const auto& [width, height] : {std::pair{1280u, 720u}, std::pair{300u, 100u}, std::pair{100u, 300u}}) {
       const View view = resolve_view(scene, framing, {}, width, height);
       const Reach reach = reach_of(scene, view);
-      EXPECT_NEAR(reach.most(), kFramedShare, 1e-6) << scene.path << width << "x" << height;
+      EXPECT_NEAR(reach.most(), kFramedFraction, 1e-6) << scene.path << width << "x" << height;
       EXPECT_NEAR(reach.left, -reach.right, 1e-6);
       EXPECT_NEAR(reach.bottom, -reach.top, 1e-6);
       EXPECT_NEAR(view.right.y, 0.0, 1e-12) << "level";
@@ -292,7 +292,7 @@ TEST(Framing, AWiderAngleFillsThePictureAsWell) {
   const Scene scene = scene_of({ball(1.0f)});
   const View view = resolve_view(scene, {.yfov = 1.5}, 100, 100);
   EXPECT_NEAR(glm::length(view.up), std::tan(0.75), 1e-12);
-  EXPECT_NEAR(reach_of(scene, view).most(), kFramedShare, 1e-6);
+  EXPECT_NEAR(reach_of(scene, view).most(), kFramedFraction, 1e-6);
 }
 
 TEST(Framing, OfPointsAndNothingIsFinite) {

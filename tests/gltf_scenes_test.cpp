@@ -169,13 +169,13 @@ TEST(GltfScenes, GeneratedTangentsAreCloseToThoseOfAnotherTool) {
   if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << "no shared/scenes beside the repository";
   const std::vector<double> cosines = tangent_cosines(kScenes / "FlightHelmet/FlightHelmet.gltf");
   ASSERT_GT(cosines.size(), 280'000u);
-  const auto share_below = [&](double cosine) {
+  const auto fraction_below = [&](double cosine) {
     return static_cast<double>(std::ranges::lower_bound(cosines, cosine) - cosines.begin()) /
            static_cast<double>(cosines.size());
   };
-  EXPECT_LT(share_below(0.0), 1e-4);
-  EXPECT_LT(share_below(0.9), 0.0012);
-  EXPECT_LT(share_below(0.99), 0.017);
+  EXPECT_LT(fraction_below(0.0), 1e-4);
+  EXPECT_LT(fraction_below(0.9), 0.0012);
+  EXPECT_LT(fraction_below(0.99), 0.017);
 }
 
 } // namespace

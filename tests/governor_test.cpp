@@ -72,9 +72,9 @@ TEST(Governor, GrowsToNoMoreThanEightTimesAsManyPaths) {
 TEST(Governor, StaysWhereThereIsNoTimeForTwiceAsManyPaths) {
   Governor governor(kPlenty, kLongest);
   const std::uint32_t first = governor.wave();
-  for (const double share : {0.25, 0.3, 0.5, 0.99, 1.0}) {
-    governor.report(share * kLongest, first);
-    EXPECT_EQ(governor.wave(), first) << share;
+  for (const double fraction : {0.25, 0.3, 0.5, 0.99, 1.0}) {
+    governor.report(fraction * kLongest, first);
+    EXPECT_EQ(governor.wave(), first) << fraction;
   }
 }
 

@@ -56,7 +56,8 @@ std::vector<GuideVertex> vertices_below_a_lamp(std::size_t count) {
   Random random;
   std::vector<GuideVertex> vertices;
   for (std::size_t i = 0; i < count; ++i) {
-    GuideVertex v{.position = {random.next(), 0.0f, random.next()}, .direction = random.direction(), .share = 1.0f};
+    GuideVertex v{
+        .position = {random.next(), 0.0f, random.next()}, .direction = random.direction(), .guidable_fraction = 1.0f};
     v.pdf = v.bsdf_pdf = static_cast<float>(0.25 / kPi);
     const bool lamp = glm::dot(v.direction, glm::normalize(kLamp - v.position)) > 0.97f;
     v.radiance = lamp ? 50.0f : 0.1f;
@@ -94,7 +95,7 @@ float density_of(const glm::uvec4* map, std::uint32_t x, std::uint32_t y) {
 }
 
 // How often a block draws a part.
-double share_of(const glm::uvec4& block, std::uint32_t column, std::uint32_t row) {
+double fraction_of(const glm::uvec4& block, std::uint32_t column, std::uint32_t row) {
   double sum = 0.0, own = 0.0;
   for (std::uint32_t x = 0; x < 4; ++x)
     for (std::uint32_t y = 0; y < 4; ++y) {
@@ -116,7 +117,7 @@ TEST(GuideField, DensitiesIntegrateToOneAndAreWhatBlocksDraw) {
     for (std::uint32_t y = 0; y < gpu::kGuideSide; y += 2)
       for (std::uint32_t x = 0; x < gpu::kGuideSide; x += 2) {
         const std::uint32_t part = y / 8 * 4 + x / 8;
-        const double drawn = share_of(map[0], x / 8, y / 8) * share_of(map[1 + part], x / 2 % 4, y / 2 % 4);
+        const double drawn = fraction_of(map[0], x / 8, y / 8) * fraction_of(map[1 + part], x / 2 % 4, y / 2 % 4);
         double quad = 0.0;
         for (std::uint32_t k = 0; k < 4; ++k) quad += kCell * density_of(map, x + k % 2, y + k / 2);
         ASSERT_NEAR(quad / drawn, 1.0, 1e-5) << leaf << " " << x << " " << y;
@@ -249,9 +250,9 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const std::size_t row = i / (kColumns * kFine) / kFine, column = i % (kColumns * kFine) / kFine;
       const double fine = double(i % (kColumns * kFine)) / (kColumns * kFine), width = 1.0 / (kColumns * kFine);
-      const double share = densities[i].b.w * (angle_of(fine + width) - angle_of(fine)) * 2.0 / (kRows * kFine);
-      total += share;
-      expected[row * kColumns + column] += share * double(kSamples);
+      const double fraction = densities[i].b.w * (angle_of(fine + width) - angle_of(fine)) * 2.0 / (kRows * kFine);
+      total += fraction;
+      expected[row * kColumns + column] += fraction * double(kSamples);
     }
     EXPECT_NEAR(total, 1.0, 1e-4);
     std::vector<Element> in(kSamples, {glm::vec4(place, 0), {}});
@@ -453,7 +454,7 @@ protected:
         note.position = {random_.next(), 0.0f, random_.next()};
         note.direction = random_.direction();
         note.pdf = note.bsdf_pdf = static_cast<float>(0.25 / kPi);
-        note.throughput = note.share = 1.0f;
+        note.throughput = note.guidable_fraction = 1.0f;
         note.before = direct * random_.next();
         note.after = note.before + (glm::dot(note.direction, lamp_of(iteration)) > 0.94f ? 25.0f : 0.1f);
       }

@@ -214,7 +214,7 @@ TEST_F(IntegratorChoiceTest, DisagreementIsFoundAfterOneBounce) {
     if (std::string(file).starts_with("caustics")) continue; // all is behind glass there
     const auto apart = find_disagreement(device(), packed, view, path, wrong, kernels, shared);
     ASSERT_TRUE(apart) << file;
-    EXPECT_LT(apart->share, -0.05) << file;
+    EXPECT_LT(apart->fraction, -0.05) << file;
   }
 }
 

@@ -194,7 +194,8 @@ TEST(Layout, PathsAndQueues) {
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("GuideRecord", sizeof(GuideRecord),
           {AT(GuideRecord, position), AT(GuideRecord, pdf), AT(GuideRecord, direction), AT(GuideRecord, bsdf_pdf),
-           AT(GuideRecord, throughput), AT(GuideRecord, before), AT(GuideRecord, after), AT(GuideRecord, share)});
+           AT(GuideRecord, throughput), AT(GuideRecord, before), AT(GuideRecord, after),
+           AT(GuideRecord, guidable_fraction)});
   compare("GuideNode", sizeof(GuideNode), {AT(GuideNode, splits), AT(GuideNode, links)});
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, hit_count), AT(Queues, extend_groups), AT(Queues, escape_count),

@@ -146,8 +146,8 @@ TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsTraining) {
   SceneOnDevice shared;
   const RenderResult expected = render(room, asked, {}, &shared);
   ASSERT_GT(expected.light_training.paths, 0u);
-  ASSERT_TRUE(shared.light_shares);
-  asked.training.found = shared.light_shares;
+  ASSERT_TRUE(shared.light_probabilities);
+  asked.training.found = shared.light_probabilities;
   const RenderResult trained = render(room, asked, {}, &shared);
   EXPECT_EQ(trained.light_training.paths, 0u);
   EXPECT_TRUE(*trained.film == *expected.film) << "the same shares, hence the same bits";
@@ -169,7 +169,7 @@ TEST_F(LearnedSky, RendersTakeOverThePartOfTrainingThatTheyUse) {
   RenderPlan path = settings(gpu::kLightsAuto, gpu::kDirectMis, 4), both = path;
   both.integrator = &kBidirectional; // knows lights alone
   const Subject rooms = subject(two_rooms(40, true), path);
-  const LightShares whole = render(rooms, path).light_training.shares;
+  const LightProbabilities whole = render(rooms, path).light_training.probabilities;
   ASSERT_TRUE(whole.lights && whole.sky);
   both.training.found = whole;
   const RenderResult trained = render(rooms, both);
@@ -287,7 +287,7 @@ TEST(LearnedSkyCells, AreTrainedBySums) {
   word(kCell, gpu::kSkyParts, 1) = kAround + 1;
   const TrainedSky trained = train_sky_cells(sums);
   EXPECT_EQ(trained.cells, 1u);
-  const auto share = [&](std::uint32_t cell, std::uint32_t part) {
+  const auto probability = [&](std::uint32_t cell, std::uint32_t part) {
     const std::uint32_t* ends = &trained.ends[std::size_t{cell} * gpu::kSkyCellWords];
     const auto width = [](const std::uint32_t* e, std::uint32_t i) {
       return (e[i] - (i > 0 ? double(e[i - 1]) : 0.0)) / 0x1p32;
@@ -295,10 +295,10 @@ TEST(LearnedSkyCells, AreTrainedBySums) {
     const std::uint32_t band = part / gpu::kSkySide;
     return width(ends, band) * width(ends + gpu::kSkySide * (1 + band), part % gpu::kSkySide);
   };
-  EXPECT_NEAR(share(kCell, 2), 0.75 * 0.25 + 0.25 / 64, 1e-4);
-  EXPECT_NEAR(share(kCell, 63), 0.75 * 0.75 + 0.25 / 64, 1e-4);
-  EXPECT_NEAR(share(kCell, 5), 0.25 / 64, 1e-4) << "never none";
-  for (std::uint32_t part = 0; part < gpu::kSkyParts; ++part) EXPECT_NEAR(share(0, part), 1.0 / 64, 1e-8) << part;
+  EXPECT_NEAR(probability(kCell, 2), 0.75 * 0.25 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(probability(kCell, 63), 0.75 * 0.75 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(probability(kCell, 5), 0.25 / 64, 1e-4) << "never none";
+  for (std::uint32_t part = 0; part < gpu::kSkyParts; ++part) EXPECT_NEAR(probability(0, part), 1.0 / 64, 1e-8) << part;
 }
 
 } // namespace

@@ -167,7 +167,7 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
     RenderPlan trained = whole;
-    trained.training.found = rendered.light_training.shares;
+    trained.training.found = rendered.light_training.probabilities;
     PathReplay replay(device(), shown.packed, shown.view, trained, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
@@ -271,7 +271,7 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
     const RenderResult rendered = render(shown, whole);
     const Picture& picture = rendered.picture;
     RenderPlan trained = whole;
-    trained.training.found = rendered.light_training.shares;
+    trained.training.found = rendered.light_training.probabilities;
     PathReplay replay(device(), shown.packed, shown.view, trained, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);

@@ -134,8 +134,8 @@ TEST_F(LightSelection, PicturesBesideARenderTakeOverItsTraining) {
     SceneOnDevice shared;
     const RenderResult expected = render(rooms, asked, {}, &shared);
     ASSERT_GT(expected.light_training.paths, 0u);
-    ASSERT_TRUE(shared.light_shares);
-    asked.training.found = shared.light_shares;
+    ASSERT_TRUE(shared.light_probabilities);
+    asked.training.found = shared.light_probabilities;
     const RenderResult trained = render(rooms, asked, {}, &shared);
     EXPECT_EQ(trained.light_training.paths, 0u);
     EXPECT_TRUE(*trained.film == *expected.film) << "the same shares, hence the same bits";
@@ -191,7 +191,7 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
   EXPECT_FALSE(many_places.light_tree.empty());
 }
 
-TEST_F(LightSelection, TrainsSharesBySums) {
+TEST_F(LightSelection, TrainsProbabilitiesBySums) {
   const RenderPlan learned = settings(gpu::kLightsLearned, gpu::kDirectMis);
   const PackedScene packed = subject(two_rooms(40, true), learned).packed;
   std::vector<std::uint32_t> sums(kLightSumBytes / sizeof(std::uint32_t), 0);
@@ -207,17 +207,20 @@ TEST_F(LightSelection, TrainsSharesBySums) {
   const TrainedLights trained = train_light_cells(packed, sums);
   const std::vector<std::uint32_t> before = prior_light_cells(packed);
   EXPECT_EQ(trained.cells, 1u);
-  const auto share = [](const std::vector<std::uint32_t>& ends, std::uint32_t cell, std::uint32_t cluster) {
+  const auto probability = [](const std::vector<std::uint32_t>& ends, std::uint32_t cell, std::uint32_t cluster) {
     const std::size_t i = cell * gpu::kLightClusters + cluster;
     return (ends[i] - (cluster > 0 ? double(ends[i - 1]) : 0.0)) / 0x1p32;
   };
-  EXPECT_NEAR(share(trained.ends, kCell, 6) / share(trained.ends, kCell, 2), 0x1p32 / 200.0, 0.01 * 0x1p32 / 200.0);
-  EXPECT_EQ(share(trained.ends, kCell, 5), 0.0);
-  EXPECT_NEAR(share(trained.ends, kCell, 6), 0.9, 0.001);
-  EXPECT_NEAR(share(trained.ends, kCell, gpu::kTreeCluster), 0.1 * share(before, 0, gpu::kTreeCluster), 0.001);
-  EXPECT_GT(share(trained.ends, kCell, gpu::kEnvironmentCluster), 0.0);
+  EXPECT_NEAR(probability(trained.ends, kCell, 6) / probability(trained.ends, kCell, 2), 0x1p32 / 200.0,
+              0.01 * 0x1p32 / 200.0);
+  EXPECT_EQ(probability(trained.ends, kCell, 5), 0.0);
+  EXPECT_NEAR(probability(trained.ends, kCell, 6), 0.9, 0.001);
+  EXPECT_NEAR(probability(trained.ends, kCell, gpu::kTreeCluster), 0.1 * probability(before, 0, gpu::kTreeCluster),
+              0.001);
+  EXPECT_GT(probability(trained.ends, kCell, gpu::kEnvironmentCluster), 0.0);
   for (std::uint32_t cluster = 0; cluster < gpu::kLightClusters; ++cluster)
-    EXPECT_NEAR(share(trained.ends, 0, cluster), share(before, 0, cluster), 1e-8) << cluster; // nothing learned
+    EXPECT_NEAR(probability(trained.ends, 0, cluster), probability(before, 0, cluster), 1e-8)
+        << cluster; // nothing learned
 }
 
 } // namespace

@@ -87,9 +87,10 @@ TEST(Intervals, LeaveNoWeightWithoutAnInteger) {
   for (double& weight : weights) total += weight = std::pow(10.0, exponent(random));
   const std::vector<std::uint32_t> ends = build_intervals(weights);
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double probability = interval_probability(ends, i), share = weights[i] / total;
+    const double probability = interval_probability(ends, i), fraction = weights[i] / total;
     ASSERT_GT(probability, 0.0);
-    ASSERT_NEAR(probability, share, 2.4e-5 * share + 2.0 / 4294967295.0); // rounding, and the integer that each has
+    ASSERT_NEAR(probability, fraction,
+                2.4e-5 * fraction + 2.0 / 4294967295.0); // rounding, and the integer that each has
     sum += probability;
   }
   EXPECT_NEAR(sum, 1.0, 1e-12);

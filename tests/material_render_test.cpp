@@ -155,7 +155,9 @@ TEST_F(MaterialRender, BodiesThatOnlyScatterReturnAllLight) {
 }
 
 // The share of once scattered light that goes on into the forward hemisphere, by Henyey and Greenstein.
-double forward_share(double g) { return (1.0 - g * g) / (2.0 * g) * (1.0 / (1.0 - g) - 1.0 / std::sqrt(1.0 + g * g)); }
+double forward_fraction(double g) {
+  return (1.0 - g * g) / (2.0 * g) * (1.0 / (1.0 - g) - 1.0 / std::sqrt(1.0 + g * g));
+}
 
 // A thin mist before the dark half of a sky shows what it throws back of the light behind the camera.
 TEST_F(MaterialRender, MistScattersAsItsPhaseFunctionSays) {
@@ -173,7 +175,7 @@ TEST_F(MaterialRender, MistScattersAsItsPhaseFunctionSays) {
         if (x < 16 || x >= 48) sky.map[y * 64 + x] = glm::vec3(1.0f); // towards -X
     const double scattered = 1.0 - std::exp(-kDensity);
     const double seen = mean(scene, orthographic({0, 0, 0}, {1, 0, 0}, 0.2, 3.0), 16, 4096, 50).y / scattered;
-    EXPECT_NEAR(seen, 1.0 - forward_share(g), g > 0.0 ? 0.012 : 0.04) << "g " << g;
+    EXPECT_NEAR(seen, 1.0 - forward_fraction(g), g > 0.0 ? 0.012 : 0.04) << "g " << g;
   }
 }
 

@@ -65,7 +65,7 @@ double opening(double depth) {
 
 // What a wall takes of a point on the floor before its middle, at `distance`; as high as 1 and from -`half` to `half`
 // (the form factor of a perpendicular rectangle).
-double wall_share(double distance, double half) {
+double wall_fraction(double distance, double half) {
   const double slant = std::sqrt(distance * distance + 1.0);
   return (std::atan(half / distance) - distance / slant * std::atan(half / slant)) / kPi;
 }
@@ -108,7 +108,7 @@ TEST_F(OcclusionTest, SsaoOfAPlaneIsGrey) {
 }
 
 // A right angle that the camera looks into takes three quarters of the ball, one that points at the camera one quarter.
-TEST_F(OcclusionTest, SsaoIsTheShareOfTheBall) {
+TEST_F(OcclusionTest, SsaoIsTheFractionOfTheBall) {
   const std::vector<glm::vec3> level = floor_of(5.0f), upright = rectangle({0, 0, 0}, {5, 0, 0}, {0, 5, 0});
   RenderPlan settings = occlusion_settings("ssao", 0.3);
   settings.ao_samples = 64;
@@ -179,7 +179,7 @@ TEST_F(OcclusionTest, GtaoOfAWedgeIsItsFormFactor) {
     Scene scene =
         made_of({rectangle({0, 0, 1}, {0, 0, 1}, {2, 0, 0}), rectangle({0, 0.5f, 0}, {2, 0, 0}, {0, 0.5f, 0})});
     look(scene, {0, 3, distance + 3}, {0, 0, distance}, 1.9);
-    const double exact = 1.0 - wall_share(distance, 2.0);
+    const double exact = 1.0 - wall_fraction(distance, 2.0);
     EXPECT_NEAR(in_the_middle(scene, occlusion_settings("traced")), exact, 0.04) << distance;
     EXPECT_NEAR(in_the_middle(scene, occlusion_settings("gtao")), exact, 0.04) << distance;
   }

@@ -197,7 +197,7 @@ TEST_F(PathReuse, TheSamePictureUnderInterfaces) {
   smooth.roughness = 0.0f;
   infinite.ior = 0.0f, infinite.specular = 0.5f;
   tint.specular_color = {2.0f, 0.5f, 0.1f}, tint.ior = 2.0f;
-  half.metallic = 0.5f, half.roughness = 0.0f; // rough metal shares nothing: see may_share()
+  half.metallic = 0.5f, half.roughness = 0.0f; // rough metal shares nothing: see may_reuse()
   metal.metallic = 1.0f;
   dense.ior = 3.0f, dense.roughness = 0.6f;
   const RenderPlan settings = asked();

@@ -109,8 +109,8 @@ TEST_F(ShadingTest, ShadowTechniquesAnswerItsRays) {
   RenderPlan local = shading_settings("blinn-phong"), gltf = shading_settings("gltf");
   local.shadows = gltf.shadows = index_of(kShadowTechniques.names(), "map");
   const std::vector<float> a = light(scene, local), b = light(scene, gltf);
-  EXPECT_EQ(false_shares(a, b).total(), 0.0);
-  EXPECT_GT(false_shares(light(scene, shading_settings("blinn-phong")), a).total(), 0.0); // it is a map
+  EXPECT_EQ(false_fractions(a, b).total(), 0.0);
+  EXPECT_GT(false_fractions(light(scene, shading_settings("blinn-phong")), a).total(), 0.0); // it is a map
 }
 
 TEST_F(ShadingTest, ExponentsFollowFromRoughness) {
@@ -225,9 +225,9 @@ TEST_F(ShadingTest, DepthCueFadesIntoTheBackground) {
   settings.depth_cue = glm::vec2(2.6f, 3.5f);
   int near = 0, far = 0, between = 0;
   for (const Seen& seen : seen_points(render(scene, settings).picture)) {
-    const double share = std::clamp((3.5 - seen.depth) / (3.5 - 2.6), 0.0, 1.0);
-    ASSERT_NEAR(seen.light, share * 0.8 + (1.0 - share) * 0.25, 1e-5) << seen.depth;
-    ++(share == 1.0 ? near : share == 0.0 ? far : between);
+    const double fraction = std::clamp((3.5 - seen.depth) / (3.5 - 2.6), 0.0, 1.0);
+    ASSERT_NEAR(seen.light, fraction * 0.8 + (1.0 - fraction) * 0.25, 1e-5) << seen.depth;
+    ++(fraction == 1.0 ? near : fraction == 0.0 ? far : between);
   }
   EXPECT_GT(std::min({near, far, between}), 100);
 }

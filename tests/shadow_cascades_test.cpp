@@ -27,9 +27,9 @@ TEST_F(ShadowTest, CascadesMendWhatIsNear) {
   const std::vector<float> truth = light(scene, long_settings("traced"));
   for (const std::string_view technique : {"cascades", "sdsm"}) {
     SCOPED_TRACE(technique);
-    double last = false_shares(truth, light(scene, long_settings("map", 128))).total();
+    double last = false_fractions(truth, light(scene, long_settings("map", 128))).total();
     for (const std::uint32_t count : {2u, 4u, 8u}) {
-      const double errors = false_shares(truth, light(scene, cascades(technique, count, 128))).total();
+      const double errors = false_fractions(truth, light(scene, cascades(technique, count, 128))).total();
       EXPECT_LT(errors, last) << count;
       last = errors;
     }
@@ -41,8 +41,8 @@ TEST_F(ShadowTest, CascadesConvergeToTracedShadows) {
   const std::vector<float> truth = light(scene, long_settings("traced"));
   for (const std::string_view technique : {"cascades", "sdsm"}) {
     SCOPED_TRACE(technique);
-    const double coarse = false_shares(truth, light(scene, cascades(technique, 4, 64))).total(),
-                 fine = false_shares(truth, light(scene, cascades(technique, 4, 2048))).total();
+    const double coarse = false_fractions(truth, light(scene, cascades(technique, 4, 64))).total(),
+                 fine = false_fractions(truth, light(scene, cascades(technique, 4, 2048))).total();
     EXPECT_LT(fine, 0.2 * coarse);
     EXPECT_LT(fine, 0.006);
   }
@@ -71,8 +71,8 @@ TEST(CascadeViews, TogetherTheyShowAllReceivers) {
   const std::vector<gpu::ShadowView> views = cascade_views(of.fit, sun().direction, of.view, 8);
   for (const glm::dvec3& a : of.fit.receivers)
     for (const glm::dvec3& b : of.fit.receivers)
-      for (const double share : {0.0, 0.1, 0.35, 0.5}) {
-        const glm::dvec4 p(glm::mix(a, b, share), 1.0);
+      for (const double fraction : {0.0, 0.1, 0.35, 0.5}) {
+        const glm::dvec4 p(glm::mix(a, b, fraction), 1.0);
         EXPECT_TRUE(std::ranges::any_of(views,
                                         [&](const gpu::ShadowView& view) {
                                           return std::abs(glm::dot(glm::dvec4(view.x), p)) <= 1.0 &&
@@ -108,9 +108,9 @@ TEST_F(ShadowTest, FittedCascadesAreNotWastedOnWhatIsHidden) {
   add_instance(scene, add_mesh(scene, box({0, -60, 0}, {20, 1, 20}))); // below the floor
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   RenderPlan settings = shadow_settings("cascades", 128);
-  const double planned = false_shares(truth, light(scene, settings)).total();
+  const double planned = false_fractions(truth, light(scene, settings)).total();
   settings.shadows = index_of(kShadowTechniques.names(), "sdsm");
-  const double fitted = false_shares(truth, light(scene, settings)).total();
+  const double fitted = false_fractions(truth, light(scene, settings)).total();
   EXPECT_LT(fitted, 0.5 * planned);
 }
 
@@ -130,7 +130,7 @@ TEST_F(ShadowTest, EverySunHasItsCascades) {
   for (const std::string_view technique : {"cascades", "sdsm"}) {
     const RenderResult result = render(scene, cascades(technique, 3, 1024));
     EXPECT_EQ(result.shadows->views, 6u);
-    EXPECT_LT(false_shares(truth, result.picture.channels[1].values).total(), 0.003) << technique;
+    EXPECT_LT(false_fractions(truth, result.picture.channels[1].values).total(), 0.003) << technique;
   }
 }
 

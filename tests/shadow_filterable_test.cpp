@@ -28,7 +28,7 @@ protected:
         {depth, exponent, static_cast<std::uint32_t>(depths_.size()), static_cast<std::uint32_t>(depths.size())});
     depths_.insert(depths_.end(), depths.begin(), depths.end());
     const auto lit = std::ranges::count_if(depths, [&](float d) { return d >= depth; });
-    shares_.push_back(static_cast<double>(lit) / static_cast<double>(depths.size()));
+    fractions_.push_back(static_cast<double>(lit) / static_cast<double>(depths.size()));
   }
   std::vector<Answers> answers() {
     std::vector<ProbeBuffer> buffers{to_probe(cases_), to_probe(depths_), ProbeBuffer(cases_.size() * sizeof(Answers))};
@@ -40,7 +40,7 @@ protected:
   std::mt19937 bits_{1};
   std::vector<Case> cases_;
   std::vector<float> depths_;
-  std::vector<double> shares_; // truly lit
+  std::vector<double> fractions_; // truly lit
 };
 
 TEST_F(ShadowBounds, NoneIsDarkerThanComparisons) {
@@ -55,12 +55,12 @@ TEST_F(ShadowBounds, NoneIsDarkerThanComparisons) {
   }
   const std::vector<Answers> bounds = answers();
   for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const double share = shares_[i];
-    ASSERT_GE(bounds[i].variance, share - 1e-5) << i;
-    ASSERT_GE(bounds[i].exponential, share - 1e-5) << i;
-    ASSERT_GE(bounds[i].warped, share - 1e-5) << i;
-    ASSERT_GE(bounds[i].four, share - 2e-3) << i; // rounding of a system of equations that is next to singular
-    ASSERT_GE(bounds[i].four16, share - 2e-2) << i;
+    const double fraction = fractions_[i];
+    ASSERT_GE(bounds[i].variance, fraction - 1e-5) << i;
+    ASSERT_GE(bounds[i].exponential, fraction - 1e-5) << i;
+    ASSERT_GE(bounds[i].warped, fraction - 1e-5) << i;
+    ASSERT_GE(bounds[i].four, fraction - 2e-3) << i; // rounding of a system of equations that is next to singular
+    ASSERT_GE(bounds[i].four16, fraction - 2e-2) << i;
   }
 }
 
@@ -73,11 +73,11 @@ TEST_F(ShadowBounds, TwoPlanesAreExact) {
   }
   const std::vector<Answers> bounds = answers();
   for (std::size_t i = 0; i < bounds.size(); ++i) {
-    EXPECT_NEAR(bounds[i].variance, shares_[i], 1e-3) << i;
-    EXPECT_NEAR(bounds[i].exponential, shares_[i], 5e-3) << i; // exp(80 * 1e-4 / 2), and 1 / exp(8)
-    EXPECT_NEAR(bounds[i].warped, shares_[i], 1e-3) << i;
-    EXPECT_NEAR(bounds[i].four, shares_[i], 1e-3) << i;
-    EXPECT_NEAR(bounds[i].four16, shares_[i], 2e-2) << i;
+    EXPECT_NEAR(bounds[i].variance, fractions_[i], 1e-3) << i;
+    EXPECT_NEAR(bounds[i].exponential, fractions_[i], 5e-3) << i; // exp(80 * 1e-4 / 2), and 1 / exp(8)
+    EXPECT_NEAR(bounds[i].warped, fractions_[i], 1e-3) << i;
+    EXPECT_NEAR(bounds[i].four, fractions_[i], 1e-3) << i;
+    EXPECT_NEAR(bounds[i].four16, fractions_[i], 2e-2) << i;
   }
 }
 
@@ -91,7 +91,7 @@ TEST_F(ShadowBounds, ExponentialsTendToComparisons) {
     }
   const std::vector<Answers> bounds = answers();
   std::array<double, kExponents.size()> leaks{};
-  for (std::size_t i = 0; i < bounds.size(); ++i) leaks[i / 1000] += (bounds[i].exponential - shares_[i]) / 1000.0;
+  for (std::size_t i = 0; i < bounds.size(); ++i) leaks[i / 1000] += (bounds[i].exponential - fractions_[i]) / 1000.0;
   for (std::size_t i = 1; i < leaks.size(); ++i) EXPECT_LT(leaks[i], 0.6 * leaks[i - 1]);
   EXPECT_LT(leaks.back(), 0.02);
 }
@@ -115,15 +115,15 @@ constexpr float kTapError = 2.0f / 12.0f / 5.0f;
 class FilterableTest : public ShadowTest {
 protected:
   // Of the light that arrives without shadows.
-  std::vector<float> lit_share(const Scene& scene, RenderPlan settings) {
+  std::vector<float> lit_fraction(const Scene& scene, RenderPlan settings) {
     const std::vector<float> picture = light(scene, settings);
     RenderPlan whole = shadow_settings("map", 16);
     whole.width = settings.width, whole.height = settings.height;
     whole.shadow_ambient = 1.0;
     const std::vector<float> full = light(scene, whole);
-    std::vector<float> shares;
-    for (std::size_t i = 0; i < full.size(); ++i) shares.push_back(full[i] > 0.0f ? picture[i] / full[i] : 1.0f);
-    return shares;
+    std::vector<float> fractions;
+    for (std::size_t i = 0; i < full.size(); ++i) fractions.push_back(full[i] > 0.0f ? picture[i] / full[i] : 1.0f);
+    return fractions;
   }
 };
 
@@ -139,11 +139,11 @@ double distance(const std::vector<float>& a, const std::vector<float>& b) {
 TEST_F(FilterableTest, PicturesAreNoDarkerThanComparisons) {
   for (const auto& [light_name, scene] :
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
-    const std::vector<float> shares = lit_share(scene, compared());
+    const std::vector<float> fractions = lit_fraction(scene, compared());
     for (const std::string_view name : kFilterable) {
       SCOPED_TRACE(light_name + std::string(" ") + std::string(name));
-      const std::vector<float> bound = lit_share(scene, filtered(name));
-      for (std::size_t i = 0; i < shares.size(); ++i) ASSERT_GE(bound[i], shares[i] - kTapError - 2e-3f) << i;
+      const std::vector<float> bound = lit_fraction(scene, filtered(name));
+      for (std::size_t i = 0; i < fractions.size(); ++i) ASSERT_GE(bound[i], fractions[i] - kTapError - 2e-3f) << i;
       EXPECT_LT(mean(bound), 0.98); // and they do shade
     }
   }
@@ -161,25 +161,25 @@ Scene two_planes() {
 
 TEST_F(FilterableTest, AParallelPlateCastsComparisonsShadow) {
   const Scene scene = two_planes();
-  const std::vector<float> shares = lit_share(scene, compared());
-  ASSERT_LT(mean(shares), 0.95);
+  const std::vector<float> fractions = lit_fraction(scene, compared());
+  ASSERT_LT(mean(fractions), 0.95);
   for (const std::string_view name : kFilterable) {
     SCOPED_TRACE(name);
     RenderPlan settings = filtered(name);
     settings.shadow_bias_amount = 1e-3; // more would bring the planes closer to each other
-    const std::vector<float> bound = lit_share(scene, settings);
-    for (std::size_t i = 0; i < shares.size(); ++i) EXPECT_NEAR(bound[i], shares[i], kTapError + 3e-3f) << i;
-    EXPECT_LT(distance(bound, shares), 1.5e-3);
+    const std::vector<float> bound = lit_fraction(scene, settings);
+    for (std::size_t i = 0; i < fractions.size(); ++i) EXPECT_NEAR(bound[i], fractions[i], kTapError + 3e-3f) << i;
+    EXPECT_LT(distance(bound, fractions), 1.5e-3);
   }
 }
 
 // Without a blur, depths are averaged between the four texels around a place alone.
 TEST_F(FilterableTest, NoBlurIsASquareOfOneTexel) {
   const Scene scene = two_planes();
-  const std::vector<float> shares = lit_share(scene, compared(64, 0.5)),
-                           bound = lit_share(scene, filtered("vsm", 64, 0.5));
-  EXPECT_LT(distance(bound, shares), 2e-3);
-  EXPECT_GT(distance(bound, lit_share(scene, filtered("vsm", 64, 1.5))), 6e-3);
+  const std::vector<float> fractions = lit_fraction(scene, compared(64, 0.5)),
+                           bound = lit_fraction(scene, filtered("vsm", 64, 0.5));
+  EXPECT_LT(distance(bound, fractions), 2e-3);
+  EXPECT_GT(distance(bound, lit_fraction(scene, filtered("vsm", 64, 1.5))), 6e-3);
 }
 
 // Two plates above each other: on the floor below the lower one, the edge of the upper one shines through.
@@ -200,10 +200,10 @@ Scene two_plates() {
 
 TEST_F(FilterableTest, LightLeaksWhereShadowsOverlap) {
   const Scene scene = two_plates();
-  EXPECT_EQ(mean(lit_share(scene, compared(64))), 0.0);
+  EXPECT_EQ(mean(lit_fraction(scene, compared(64))), 0.0);
   std::array<float, 4> leaks{};
   for (std::size_t i = 0; i < leaks.size(); ++i)
-    leaks[i] = std::ranges::max(lit_share(scene, filtered(kFilterable[i], 64)));
+    leaks[i] = std::ranges::max(lit_fraction(scene, filtered(kFilterable[i], 64)));
   const auto [vsm, esm, evsm, moment] = leaks;
   EXPECT_LT(esm, 0.1f * vsm);
   EXPECT_GT(vsm, 0.1f);
@@ -214,15 +214,15 @@ TEST_F(FilterableTest, LightLeaksWhereShadowsOverlap) {
 // A blocker close to what it shades: exponentials let light through, the less the greater the exponent.
 TEST_F(FilterableTest, SmallExponentsLeakNearContacts) {
   const Scene scene = lit_by(sun());
-  const std::vector<float> shares = lit_share(scene, compared());
+  const std::vector<float> fractions = lit_fraction(scene, compared());
   std::vector<double> leaks;
   for (const double exponent : {10.0, 30.0, 80.0}) {
     RenderPlan settings = filtered("esm");
     settings.shadow_exponent = exponent;
-    const std::vector<float> bound = lit_share(scene, settings);
+    const std::vector<float> bound = lit_fraction(scene, settings);
     double leak = 0.0, dark = 0.0;
-    for (std::size_t i = 0; i < shares.size(); ++i)
-      if (shares[i] == 0.0f) leak += bound[i], ++dark;
+    for (std::size_t i = 0; i < fractions.size(); ++i)
+      if (fractions[i] == 0.0f) leak += bound[i], ++dark;
     leaks.push_back(leak / dark);
   }
   EXPECT_GT(leaks[0], 0.05);
@@ -234,7 +234,7 @@ TEST_F(FilterableTest, SixteenBitsAreNearlyAsGood) {
   const Scene scene = lit_by(spot());
   RenderPlan whole = filtered("moment"), half = whole;
   half.shadow_bits = 16;
-  const double difference = distance(lit_share(scene, whole), lit_share(scene, half));
+  const double difference = distance(lit_fraction(scene, whole), lit_fraction(scene, half));
   EXPECT_GT(difference, 1e-6);
   EXPECT_LT(difference, 1e-3);
 }
@@ -261,7 +261,8 @@ TEST_F(FilterableTest, AFloorThatTheSunGrazesIsLit) {
     SCOPED_TRACE(name);
     RenderPlan settings = shadow_settings(name, 128);
     settings.shadow_blur = 2.5;
-    for (const float share : lit_share(scene, settings)) ASSERT_GT(share, 0.95f); // rounding, and rims of the view
+    for (const float fraction : lit_fraction(scene, settings))
+      ASSERT_GT(fraction, 0.95f); // rounding, and rims of the view
   }
 }
 

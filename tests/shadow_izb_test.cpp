@@ -45,7 +45,7 @@ TEST_F(IzbTest, ListsHoldEveryRay) {
     RenderPlan by_map = shadow_settings("map");
     by_map.shadow_ambient = 1.0;
     EXPECT_EQ(light(scene, all), light(scene, by_map));
-    EXPECT_GT(false_shares(light(scene, all), light(scene, dark)).dark, 0.02); // there are shadows
+    EXPECT_GT(false_fractions(light(scene, all), light(scene, dark)).dark, 0.02); // there are shadows
   }
 }
 

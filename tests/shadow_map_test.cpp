@@ -18,8 +18,8 @@ TEST_F(ShadowTest, MapsConvergeToTracedShadows) {
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
     const std::vector<float> truth = light(scene, shadow_settings("traced"));
-    const FalseShares coarse = false_shares(truth, light(scene, shadow_settings("map", 16))),
-                      fine = false_shares(truth, light(scene, shadow_settings("map", 2048)));
+    const FalseFractions coarse = false_fractions(truth, light(scene, shadow_settings("map", 16))),
+                         fine = false_fractions(truth, light(scene, shadow_settings("map", 2048)));
     EXPECT_GT(coarse.total(), 0.015);               // or there would be nothing to converge
     EXPECT_LT(fine.total(), 0.05 * coarse.total()); // 128 times as fine
   }
@@ -32,7 +32,7 @@ TEST_F(ShadowTest, RasterizedMapsAreTracedMaps) {
     RenderPlan raster = shadow_settings("map", 512), traced = raster;
     traced.shadow_source = kShadowSourceTraced;
     // Rasterizers snap corners to a grid of at best 1/256 texel, so that a few texels at edges differ.
-    EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.002);
+    EXPECT_LT(false_fractions(light(scene, traced), light(scene, raster)).total(), 0.002);
   }
 }
 
@@ -42,12 +42,12 @@ TEST_F(ShadowTest, UnbiasedMapsHaveAcneAndBiasEndsIt) {
   RenderPlan settings = shadow_settings("map", 256);
   settings.shadow_bias = gpu::kBiasConstant;
   settings.shadow_bias_amount = 0.0;
-  EXPECT_GT(false_shares(truth, light(scene, settings)).dark, 0.1);
+  EXPECT_GT(false_fractions(truth, light(scene, settings)).dark, 0.1);
   for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth", "midpoint"}) {
     SCOPED_TRACE(kind);
     settings.shadow_bias = index_of(kShadowBiasNames, kind);
     settings.shadow_bias_amount.reset();
-    EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.01);
+    EXPECT_LT(false_fractions(truth, light(scene, settings)).dark, 0.01);
   }
 }
 
@@ -62,9 +62,9 @@ TEST_F(ShadowTest, MidpointsNeedNoClosedBodies) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   RenderPlan settings = shadow_settings("map", 512);
   settings.shadow_bias = gpu::kBiasSecondDepth;
-  EXPECT_GT(false_shares(truth, light(scene, settings)).lit, 0.02);
+  EXPECT_GT(false_fractions(truth, light(scene, settings)).lit, 0.02);
   settings.shadow_bias = gpu::kBiasMidpoint;
-  EXPECT_LT(false_shares(truth, light(scene, settings)).total(), 0.005);
+  EXPECT_LT(false_fractions(truth, light(scene, settings)).total(), 0.005);
 }
 
 TEST_F(ShadowTest, BiasBySurfacesBehindIsForRasterizedMaps) {
@@ -88,9 +88,9 @@ TEST_F(ShadowTest, MapsOfTrianglesNeedNoBias) {
     RenderPlan unbiased = shadow_settings("map", 256);
     unbiased.shadow_bias = gpu::kBiasConstant;
     unbiased.shadow_bias_amount = 0.0;
-    EXPECT_GT(false_shares(truth, light(scene, unbiased)).dark, 0.05);
-    EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map-id", 256))).total(), 0.01);
-    EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map-id", 2048))).total(), 0.002);
+    EXPECT_GT(false_fractions(truth, light(scene, unbiased)).dark, 0.05);
+    EXPECT_LT(false_fractions(truth, light(scene, shadow_settings("map-id", 256))).total(), 0.01);
+    EXPECT_LT(false_fractions(truth, light(scene, shadow_settings("map-id", 2048))).total(), 0.002);
   }
 }
 
@@ -104,8 +104,8 @@ TEST_F(ShadowTest, MapsOfTrianglesLeakAlongSharedEdges) {
   scene.materials[0].double_sided = true;
   add_instance(scene, add_mesh(scene, corner));
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map", 1024))).lit, 0.005);
-  EXPECT_GT(false_shares(truth, light(scene, shadow_settings("map-id", 1024))).lit, 0.02);
+  EXPECT_LT(false_fractions(truth, light(scene, shadow_settings("map", 1024))).lit, 0.005);
+  EXPECT_GT(false_fractions(truth, light(scene, shadow_settings("map-id", 1024))).lit, 0.02);
 }
 
 TEST_F(ShadowTest, AFilterOfNoSizeIsTheMap) {
@@ -181,7 +181,7 @@ TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
   EXPECT_NEAR(metres, 0.8 * whole, 0.05 * whole);
 }
 
-TEST_F(ShadowTest, LightInShadowIsAShareOfTheLight) {
+TEST_F(ShadowTest, LightInShadowIsAFractionOfTheLight) {
   const Scene scene = lit_by(sun());
   RenderPlan settings = shadow_settings("map");
   const std::vector<float> dark = light(scene, settings);

@@ -140,7 +140,7 @@ TEST_F(PlanarTest, NothingBeyondTheLightCasts) {
   Scene scene = lit_by(lamp());
   const std::vector<float> without = light(scene, planar_settings());
   add_instance(scene, add_mesh(scene, box({-1.4f, 2.6f, -1.0f}, {0.2f, 0.2f, 0.2f})));
-  EXPECT_EQ(false_shares(without, light(scene, planar_settings())).total(), 0.0);
+  EXPECT_EQ(false_fractions(without, light(scene, planar_settings())).total(), 0.0);
   // One around the light casts with what is below it.
   add_instance(scene, add_mesh(scene, rectangle({-0.9f, 1.6f, -0.5f}, {0, 0.9f, 0}, {0.1f, 0, -0.1f})));
   expect_traced_on_planes(scene, is_on_floor);
@@ -152,7 +152,7 @@ TEST_F(PlanarTest, NothingBeneathThePlaneCasts) {
     Scene scene = lit_by(source);
     const std::vector<float> without = light(scene, planar_settings());
     add_instance(scene, add_mesh(scene, box({0.3f, -0.6f, 0.9f}, {0.3f, 0.3f, 0.3f})));
-    EXPECT_EQ(false_shares(without, light(scene, planar_settings())).total(), 0.0);
+    EXPECT_EQ(false_fractions(without, light(scene, planar_settings())).total(), 0.0);
     // What goes through the plane casts with its upper part.
     add_instance(scene, add_mesh(scene, box({0.3f, 0.0f, 0.9f}, {0.1f, 0.4f, 0.1f})));
     expect_traced_on_planes(scene, is_on_floor);

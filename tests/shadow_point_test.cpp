@@ -46,8 +46,8 @@ protected:
 TEST_F(PointShadows, CubesConvergeToTracedShadows) {
   const Scene scene = around_a_lamp(1);
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  const double coarse = false_shares(truth, picture(scene, "cube", 64)).total(),
-               fine = false_shares(truth, picture(scene, "cube", 1024)).total();
+  const double coarse = false_fractions(truth, picture(scene, "cube", 64)).total(),
+               fine = false_fractions(truth, picture(scene, "cube", 1024)).total();
   EXPECT_LT(fine, 0.2 * coarse);
   EXPECT_LT(fine, 0.006);
 }
@@ -80,8 +80,8 @@ TEST_F(PointShadows, AFaceOfTheCubeIsASpotsMap) {
 TEST_F(PointShadows, TracedParaboloidsConvergeToTracedShadows) {
   const Scene scene = around_a_lamp(1);
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
-  const double coarse = false_shares(truth, picture(scene, "paraboloid", 64, kShadowSourceTraced)).total(),
-               fine = false_shares(truth, picture(scene, "paraboloid", 2048, kShadowSourceTraced)).total();
+  const double coarse = false_fractions(truth, picture(scene, "paraboloid", 64, kShadowSourceTraced)).total(),
+               fine = false_fractions(truth, picture(scene, "paraboloid", 2048, kShadowSourceTraced)).total();
   EXPECT_LT(fine, 0.2 * coarse);
   EXPECT_LT(fine, 0.006);
 }
@@ -91,7 +91,7 @@ TEST_F(PointShadows, ParaboloidsBendTheEdgesOfLargeTriangles) {
   for (const std::uint32_t cells : {1u, 4u, 16u, 64u}) {
     const Scene scene = around_a_lamp(cells);
     const std::vector<float> truth = light(scene, shadow_settings("traced"));
-    const double errors = false_shares(truth, picture(scene, "paraboloid", 1024)).total();
+    const double errors = false_fractions(truth, picture(scene, "paraboloid", 1024)).total();
     EXPECT_LT(errors, last) << cells;
     EXPECT_TRUE(cells > 1 || errors > 0.05) << errors;
     last = errors;
@@ -106,7 +106,7 @@ TEST_F(PointShadows, BiasEndsAcneBesideTheAxis) {
   for (const std::string_view kind : {"slope", "normal", "plane"}) {
     RenderPlan settings = shadow_settings("map", 1024);
     settings.shadow_bias = index_of(kShadowBiasNames, kind);
-    EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.001) << kind;
+    EXPECT_LT(false_fractions(truth, light(scene, settings)).dark, 0.001) << kind;
   }
 }
 
@@ -119,7 +119,7 @@ TEST_F(PointShadows, BiasEndsAcne) {
       RenderPlan settings = shadow_settings(technique, 256);
       settings.shadow_source = kShadowSourceTraced;
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
-      EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.015);
+      EXPECT_LT(false_fractions(truth, light(scene, settings)).dark, 0.015);
     }
 }
 

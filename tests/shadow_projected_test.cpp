@@ -81,8 +81,8 @@ TEST_F(ProjectedTest, PlanesBeforeCastersAreFalselyDark) {
   scene.cameras.front() = camera_above({0, 0, 0}, 1.2);
   const std::vector<float> truth = light(scene, settings_of("traced"));
   EXPECT_GT(*std::ranges::min_element(truth), 0.0f); // nothing is above it
-  EXPECT_EQ(false_shares(truth, light(scene, settings_of("planar"))).total(), 0.0);
-  EXPECT_GT(false_shares(truth, light(scene, settings_of("projected"))).dark, 0.02);
+  EXPECT_EQ(false_fractions(truth, light(scene, settings_of("planar"))).total(), 0.0);
+  EXPECT_GT(false_fractions(truth, light(scene, settings_of("projected"))).dark, 0.02);
 }
 
 class CookieTest : public ProjectedTest {
@@ -110,11 +110,11 @@ protected:
 
 TEST_F(CookieTest, OneValueEverywhereScalesTheLight) {
   const RenderPlan half = with_cookie(3, [](auto, auto) { return 0.5f; });
-  for (const auto& [name, scene, share] :
+  for (const auto& [name, scene, fraction] :
        {std::tuple{"sun", lit_by(sun()), 0.5f}, {"spot", lit_by(spot()), 0.5f}, {"lamp", lit_by(lamp()), 1.0f}}) {
     SCOPED_TRACE(name);
     std::vector<float> expected = light(scene, settings_of("projected"));
-    for (float& value : expected) value *= share;
+    for (float& value : expected) value *= fraction;
     EXPECT_EQ(light(scene, half), expected);
   }
 }

@@ -192,18 +192,18 @@ protected:
 };
 
 // Share of the pixels that are lit in one picture and dark in the other: falsely lit, falsely dark.
-struct FalseShares {
+struct FalseFractions {
   double lit = 0.0, dark = 0.0;
   double total() const { return lit + dark; }
 };
-inline FalseShares false_shares(const std::vector<float>& truth, const std::vector<float>& picture) {
-  FalseShares shares;
+inline FalseFractions false_fractions(const std::vector<float>& truth, const std::vector<float>& picture) {
+  FalseFractions fractions;
   const double one = 1.0 / static_cast<double>(truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (truth[i] == 0.0f && picture[i] > 0.0f) shares.lit += one;
-    if (truth[i] > 0.0f && picture[i] == 0.0f) shares.dark += one;
+    if (truth[i] == 0.0f && picture[i] > 0.0f) fractions.lit += one;
+    if (truth[i] > 0.0f && picture[i] == 0.0f) fractions.dark += one;
   }
-  return shares;
+  return fractions;
 }
 
 } // namespace wavepath::test

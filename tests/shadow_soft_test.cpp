@@ -175,7 +175,7 @@ TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
 TEST_F(SoftTest, SpheresCastSoftShadowsToo) {
   const Scene scene = lit_by_lamp(ball({-0.6f, 2.0f, 0.3f}, 0.35f));
   // As shares of the light that would arrive without shadows: of 352 facets, each sample takes one, which is noise.
-  const auto shares = [&](std::string_view name, std::uint32_t samples, std::uint32_t taps) {
+  const auto fractions = [&](std::string_view name, std::uint32_t samples, std::uint32_t taps) {
     RenderPlan settings = fine(name, taps), bright = fine("map");
     settings.last_sample = bright.last_sample = samples;
     bright.shadow_ambient = 1.0;
@@ -184,9 +184,9 @@ TEST_F(SoftTest, SpheresCastSoftShadowsToo) {
     for (std::size_t i = 0; i < picture.size(); ++i) picture[i] = whole[i] > 0.0f ? picture[i] / whole[i] : -1.0f;
     return picture;
   };
-  const std::vector<float> truth = shares("traced", 512, 1);
+  const std::vector<float> truth = fractions("traced", 512, 1);
   const auto off = [&](std::string_view name, std::uint32_t taps) { // mean square
-    const std::vector<float> picture = shares(name, 64, taps);
+    const std::vector<float> picture = fractions(name, 64, taps);
     double sum = 0.0;
     for (std::size_t i = 0; i < truth.size(); ++i)
       if (truth[i] >= 0.0f && picture[i] >= 0.0f) sum += (truth[i] - picture[i]) * (truth[i] - picture[i]);
@@ -256,9 +256,9 @@ protected:
     const std::vector<float> dark = light(half_plane(), settings);
     settings.shadow_ambient = 1.0;
     const std::vector<float> whole = light(half_plane(), settings);
-    std::vector<float> shares;
-    for (std::size_t i = 0; i < dark.size(); ++i) shares.push_back(dark[i] / whole[i]);
-    return shares;
+    std::vector<float> fractions;
+    for (std::size_t i = 0; i < dark.size(); ++i) fractions.push_back(dark[i] / whole[i]);
+    return fractions;
   }
 };
 
@@ -267,11 +267,11 @@ TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
   for (const auto& [name, taps, tolerance] :
        {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 16u, 0.045f}, {"average", 100u, 0.02f}}) {
     SCOPED_TRACE(name);
-    const std::vector<float> shares = profile(name, taps);
+    const std::vector<float> fractions = profile(name, taps);
     float worst = 0.0f;
-    for (std::size_t i = 0; i < shares.size(); ++i) {
+    for (std::size_t i = 0; i < fractions.size(); ++i) {
       const float x = (static_cast<float>(i) + 0.5f) * 0.005f - 0.4f;
-      worst = std::max(worst, std::abs(shares[i] - std::clamp(x / 0.4f + 0.5f, 0.0f, 1.0f)));
+      worst = std::max(worst, std::abs(fractions[i] - std::clamp(x / 0.4f + 0.5f, 0.0f, 1.0f)));
     }
     EXPECT_LT(worst, tolerance);
   }
@@ -279,8 +279,8 @@ TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
 
 // Few points cast few hard shadows, each of which can be told from the next.
 TEST_F(EdgeTest, FewPointsCastBands) {
-  const auto between_bands = [](const std::vector<float>& shares) { // pixels whose share is no multiple of a quarter
-    return std::ranges::count_if(shares, [](float s) { return std::abs(4.0f * s - std::round(4.0f * s)) > 0.1f; });
+  const auto between_bands = [](const std::vector<float>& fractions) { // pixels whose share is no multiple of a quarter
+    return std::ranges::count_if(fractions, [](float s) { return std::abs(4.0f * s - std::round(4.0f * s)) > 0.1f; });
   };
   EXPECT_LT(between_bands(profile("average", 4)), 4);
   EXPECT_GT(between_bands(profile("average", 64)), 40);

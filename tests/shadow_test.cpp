@@ -79,7 +79,7 @@ protected:
   }
 };
 
-TEST_F(ShadowTest, PanesDimByTheirExactShare) {
+TEST_F(ShadowTest, PanesDimByTheirExactFraction) {
   const Scene scene = floor_under({0.5f, 0.5f, 0.5f});
   for (const IntegratorKind* kind : {&kPath, &kHybrid, &kWhitted}) expect_even(render(scene, kind, 2, 1), 0.125, 1e-6);
   expect_even(render(floor_under({0.1f, 0.7f, 0.999f}), &kPath, 2, 1), (1.0 - 0.1f) * (1.0 - 0.7f) * (1.0 - 0.999f),

@@ -37,7 +37,7 @@ TEST_F(ShadowTest, PagesFitWhereMapsDoNot) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   const RenderResult result = render(scene, shadow_settings("virtual", 4096));
   EXPECT_LT(result.shadows->bytes, std::uint64_t{6} * 4096 * 4096 * 4 / 3);
-  EXPECT_LT(false_shares(truth, result.picture.channels[1].values).total(), 0.001);
+  EXPECT_LT(false_fractions(truth, result.picture.channels[1].values).total(), 0.001);
 }
 
 // A page for nearly every pixel: those beyond what the device holds are traced.
@@ -47,7 +47,7 @@ TEST_F(ShadowTest, RaysToPagesThatFindNoRoomAreTraced) {
   const RenderResult result = render(scene, shadow_settings("virtual", 16384));
   EXPECT_LE(std::uint64_t{result.shadows->resident_pages} * gpu::kShadowPage * gpu::kShadowPage,
             device().info().max_texel_elements);
-  EXPECT_LT(false_shares(truth, result.picture.channels[1].values).total(), 0.001);
+  EXPECT_LT(false_fractions(truth, result.picture.channels[1].values).total(), 0.001);
 }
 
 // Each frame sees other points; the pages that it adds join those of the frames before.

@@ -82,7 +82,7 @@ TEST_F(VolumeTest, CountedInFrontAreWrongWhereTheEyeIsInShadow) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   const RenderPlan settings = shadow_settings("zfail");
   EXPECT_LT(differing(truth, light(scene, settings), settings.width), truth.size() / 100);
-  EXPECT_GT(false_shares(truth, light(scene, shadow_settings("zpass"))).dark, 0.3);
+  EXPECT_GT(false_fractions(truth, light(scene, shadow_settings("zpass"))).dark, 0.3);
 }
 
 TEST_F(VolumeTest, SameBitsHoweverTheWorkIsCut) {
@@ -94,7 +94,7 @@ TEST_F(VolumeTest, SameBitsHoweverTheWorkIsCut) {
   EXPECT_EQ(light(scene, settings), whole);
 }
 
-TEST_F(VolumeTest, LightInShadowIsAShareOfTheLight) {
+TEST_F(VolumeTest, LightInShadowIsAFractionOfTheLight) {
   const Scene scene = lit_by(spot());
   RenderPlan settings = shadow_settings("zfail");
   const std::vector<float> dark = light(scene, settings);

@@ -21,8 +21,8 @@ TEST_F(ShadowTest, WarpedMapsConvergeToTracedShadows) {
     for (const std::string_view technique : kWarps) {
       SCOPED_TRACE(technique);
       SCOPED_TRACE(direction.z);
-      const double coarse = false_shares(truth, light(scene, long_settings(technique, 64))).total(),
-                   fine = false_shares(truth, light(scene, long_settings(technique, 2048))).total();
+      const double coarse = false_fractions(truth, light(scene, long_settings(technique, 64))).total(),
+                   fine = false_fractions(truth, light(scene, long_settings(technique, 2048))).total();
       EXPECT_LT(fine, std::max(0.25 * coarse, 0.0005)); // with a sun straight above there is little to converge
       EXPECT_LT(fine, 0.002);
     }
@@ -32,9 +32,9 @@ TEST_F(ShadowTest, WarpedMapsConvergeToTracedShadows) {
 TEST_F(ShadowTest, WarpedMapsMendWhatIsNear) {
   const Scene scene = long_rows(sun());
   const std::vector<float> truth = light(scene, long_settings("traced"));
-  const double map = false_shares(truth, light(scene, long_settings("map", 256))).total();
+  const double map = false_fractions(truth, light(scene, long_settings("map", 256))).total();
   for (const std::string_view technique : kWarps) {
-    const double warped = false_shares(truth, light(scene, long_settings(technique, 256))).total();
+    const double warped = false_fractions(truth, light(scene, long_settings(technique, 256))).total();
     EXPECT_LT(warped, 0.7 * map) << technique;
   }
 }
@@ -44,7 +44,7 @@ TEST_F(ShadowTest, RasterizedWarpedMapsAreTracedOnes) {
   for (const std::string_view technique : kWarps) {
     RenderPlan raster = long_settings(technique, 256), traced = raster;
     traced.shadow_source = kShadowSourceTraced;
-    EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.004) << technique;
+    EXPECT_LT(false_fractions(light(scene, traced), light(scene, raster)).total(), 0.004) << technique;
   }
 }
 
@@ -55,8 +55,8 @@ TEST_F(ShadowTest, EveryBiasEndsAcneOfWarpedMaps) {
     for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth", "midpoint"}) {
       RenderPlan settings = long_settings(technique, 256);
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
-      const FalseShares shares = false_shares(truth, light(scene, settings));
-      EXPECT_LT(shares.dark, 0.03) << technique << " " << kind;
+      const FalseFractions fractions = false_fractions(truth, light(scene, settings));
+      EXPECT_LT(fractions.dark, 0.03) << technique << " " << kind;
     }
 }
 
@@ -125,7 +125,7 @@ TEST_F(ShadowTest, AnEyeFarAwayLooksUpAsTheMap) {
   const auto unlike_at = [&](double distance) {
     RenderPlan settings = long_settings("lispsm", 128);
     settings.shadow_exponent = distance;
-    return false_shares(map, light(scene, settings)).total();
+    return false_fractions(map, light(scene, settings)).total();
   };
   EXPECT_LT(unlike_at(88.0), 0.1 * unlike_at(1.0));
 }

@@ -150,7 +150,7 @@ TEST_F(TransparencyTest, NoOrderOfTrianglesIsRightWhereTheyCross) {
   EXPECT_LT(wrong, peeled.size() / 2);
 }
 
-TEST_F(TransparencyTest, ScreenDoorsLeaveTheirShareOpen) {
+TEST_F(TransparencyTest, ScreenDoorsLeaveTheirFractionOpen) {
   for (const int open : {0, 16, 40, 63}) {
     const Layer layer{1.0f, 0.9f, static_cast<float>(open) / 64.0f};
     const std::vector<float> picture = light(stack({layer}), settings_for("screendoor"));

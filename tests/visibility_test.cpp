@@ -223,12 +223,12 @@ Agreement agreement(const PackedScene& packed, const Shot& shot) {
 
 // Rasterizers round corners to a grid of 1/256 pixel (Vulkan asks for 1/16 at least), so that an edge changes sides
 // with one in 256 of the pixels that it crosses; few pixels of these scenes are crossed by more than two.
-constexpr double kLargestShare = 0.01;
+constexpr double kLargestFraction = 0.01;
 
-void expect_agreement(const PackedScene& packed, const Shot& shot, double largest_share = kLargestShare) {
+void expect_agreement(const PackedScene& packed, const Shot& shot, double largest_fraction = kLargestFraction) {
   const Agreement found = agreement(packed, shot);
   EXPECT_GT(found.seen, 0u);
-  EXPECT_LE(found.different, std::ceil(largest_share * found.edges)) << "of " << found.edges << " pixels with edges";
+  EXPECT_LE(found.different, std::ceil(largest_fraction * found.edges)) << "of " << found.edges << " pixels with edges";
 }
 
 View look(const glm::dvec3& eye, const glm::dvec3& target, double yfov_degrees, const FrameSettings& settings) {

@@ -122,7 +122,7 @@ void measure_renders(WarmLoop& warm, const RenderPlan& settings, const PackedSce
   }
   tracing.seconds = summarize(seconds);
   tracing.mrays_per_second = 1e-6 * static_cast<double>(time.rays.total()) / tracing.seconds.median;
-  tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
+  tracing.traversal_fraction = all > 0.0 ? traversal / all : 0.0;
   tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features, settings);
 }
 

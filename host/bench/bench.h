@@ -48,7 +48,7 @@ struct PathTracing {
   std::uint32_t spp = 0; // of a render
   Summary seconds;       // of a render, wall
   double mrays_per_second = 0.0;
-  double traversal_share = 0.0; // of the kernels' time that extend and connect take
+  double traversal_fraction = 0.0; // of the kernels' time that extend and connect take
   std::uint64_t bytes_per_path = 0;
 };
 

@@ -170,7 +170,7 @@ Json bench_document(const BenchRun& run) {
             {"path_tracing",
              {{"mrays_per_second", result.path_tracing.mrays_per_second},
               {"spread", result.path_tracing.seconds.spread},
-              {"traversal_share", result.path_tracing.traversal_share},
+              {"traversal_share", result.path_tracing.traversal_fraction},
               {"frame_spp", result.path_tracing.spp},
               {"bytes_per_path", result.path_tracing.bytes_per_path}}},
             {"ceilings",
@@ -209,7 +209,7 @@ std::string bench_table(const BenchRun& run) {
       "\npath tracing at {} samples a pixel: {:.3f} Mrays/s (spread {:.1f} %), {:.0f} % of it in traversal, {} bytes a "
       "path\n",
       result.path_tracing.spp, result.path_tracing.mrays_per_second, 100 * result.path_tracing.seconds.spread,
-      100 * result.path_tracing.traversal_share, result.path_tracing.bytes_per_path);
+      100 * result.path_tracing.traversal_fraction, result.path_tracing.bytes_per_path);
   if (!result.structures.empty()) text += "\n" + structures_table(result.structures);
   if (!result.ablation.empty()) text += "\n" + ablation_table(result.ablation);
   return text;

@@ -64,15 +64,15 @@ bool ended_early(const RenderResult& result) {
 }
 
 // The first device that was not lost, for what is measured after the render.
-RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) {
-  for (std::size_t i = 1; shared && i < shared->shares.size() && shared->shares.front().lost; ++i)
-    if (!shared->shares[i].lost) return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
+RenderingDevice surviving(const Prepared& prepared, const MultiDeviceResult* shared) {
+  for (std::size_t i = 1; shared && i < shared->fractions.size() && shared->fractions.front().lost; ++i)
+    if (!shared->fractions[i].lost) return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
   return {prepared.device.get(), prepared.kernels.get()};
 }
 
 // What light is missing, where a report tells it. An interrupt ends the measurement, not the command.
 MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
-                           const SharedResult* shared) {
+                           const MultiDeviceResult* shared) {
   MissingLight missing;
   if (!reports_bias(request) || ended_early(result)) return missing;
   const RenderPlan& settings = prepared.plan.settings;

@@ -35,7 +35,7 @@ auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const 
 }
 
 // What the pilot of a render learns of lights. One sample of the picture is rendered besides.
-LightShares train_light_shares(Prepared& prepared) {
+LightProbabilities train_light_probabilities(Prepared& prepared) {
   const RenderPlan& settings = prepared.plan.settings;
   if (!trains_light_selection(prepared.packed, settings)) return {};
   RenderPlan one = settings;
@@ -44,7 +44,7 @@ LightShares train_light_shares(Prepared& prepared) {
   one.adaptive = kAdaptiveOff;
   const auto rendered = render(*prepared.device, prepared.packed, prepared.view, one, RenderHooks{}, *prepared.kernels,
                                &prepared.on_device);
-  return rendered.light_training.shares;
+  return rendered.light_training.probabilities;
 }
 
 TrueError unknown_error() {
@@ -71,20 +71,20 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 }
 
 // Renders on all of --devices.
-SharedResult render_shared(const RenderCommandRequest& request, Prepared& prepared,
-                           const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
+MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepared& prepared,
+                                    const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   std::vector<RenderingDevice> devices{{prepared.device.get(), prepared.kernels.get()}};
   for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
   RenderHooks hooks;
   if (reference) hooks.checkpoint = measure_checkpoints(prepared, *reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
-  SharedResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
+  MultiDeviceResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render_by_several(devices, prepared.packed, prepared.view, prepared.plan.settings, shown);
   });
   if (!shared.bits_agree)
     prepared.warnings.add("the devices round differently, so that the last bits of the picture depend on their shares");
-  for (const DeviceShare& share : shared.shares)
-    if (share.lost) prepared.warnings.add(share.name + ": was lost while rendering; the others took over");
+  for (const DeviceWork& fraction : shared.fractions)
+    if (fraction.lost) prepared.warnings.add(fraction.name + ": was lost while rendering; the others took over");
   return shared;
 }
 
@@ -128,7 +128,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
   RenderPlan settings = prepared.plan.settings;
   Device& device = *prepared.device;
-  settings.training.found = train_light_shares(prepared);
+  settings.training.found = train_light_probabilities(prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
   const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.replicate);
   device.pipeline_cache().save();
@@ -153,7 +153,7 @@ Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std:
   std::vector<TrueError> true_errors;
   if (!prepared.others.empty()) {
     prepared.on_device = {}; // each device uploads it by itself
-    rendered.shared = render_shared(request, prepared, reference, true_errors);
+    rendered.shared = render_on_devices(request, prepared, reference, true_errors);
     rendered.result = std::move(rendered.shared->result);
   } else {
     rendered.result = render_prepared(request, prepared, reference, true_errors);

@@ -18,8 +18,8 @@ namespace wavepath {
 
 struct Rendered {
   RenderResult result;
-  std::optional<SharedResult> shared; // of --devices; its result is moved from
-  std::vector<TrueError> true_errors; // one for each checkpoint, if there is a reference
+  std::optional<MultiDeviceResult> shared; // of --devices; its result is moved from
+  std::vector<TrueError> true_errors;      // one for each checkpoint, if there is a reference
 };
 
 // Prints the trace of --pixel. Writes no file. Returns the exit code.

@@ -12,13 +12,13 @@ namespace wavepath {
 
 std::string repeat_command(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
   RenderPlan settings = prepared.plan.settings;
-  const bool shares_out = result.noise && result.noise->used;
+  const bool adapts = result.noise && result.noise->used;
   const bool by_clock = settings.time_limit > 0.0 || settings.target_error > 0.0;
-  if (shares_out ? by_clock || result.stop != StopReason::samples : !result.even) return "";
-  const bool is_whole = shares_out || result.spp == settings.last_sample - settings.first_sample;
+  if (adapts ? by_clock || result.stop != StopReason::samples : !result.even) return "";
+  const bool is_whole = adapts || result.spp == settings.last_sample - settings.first_sample;
   if (!is_whole && settings.sampler == gpu::kSamplerStratified) return ""; // whose points depend on the samples planned
   if (!is_whole && settings.sample_total == 0) settings.last_sample = settings.first_sample + result.spp;
-  if (settings.adaptive == kAdaptiveAuto) settings.adaptive = shares_out ? kAdaptiveOn : kAdaptiveOff;
+  if (settings.adaptive == kAdaptiveAuto) settings.adaptive = adapts ? kAdaptiveOn : kAdaptiveOff;
   std::string command = fmt::format("wavepath render {}{}{}{} --origin {},{},{}", shell_quoted(request.scene.path),
                                     camera_flags(request.scene.view), flags_of(settings), flags_of(request.scene),
                                     prepared.packed.origin.x, prepared.packed.origin.y, prepared.packed.origin.z);

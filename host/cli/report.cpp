@@ -54,9 +54,9 @@ void print_shadows(const ShadowReport& shadows) {
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
   print_err("  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
-  for (const DeviceShare& share : run.shared ? run.shared->shares : std::vector<DeviceShare>{})
-    print_err("  shares      {}: {} samples in {:.2f} s{}\n", share.name, share.samples(), share.seconds,
-              share.lost ? ", then lost" : "");
+  for (const DeviceWork& work : run.shared ? run.shared->device_work : std::vector<DeviceWork>{})
+    print_err("  shares      {}: {} samples in {:.2f} s{}\n", work.name, work.samples(), work.seconds,
+              work.lost ? ", then lost" : "");
   print_err("  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
   if (const CutCounts& cut = run.packed.cut; cut.triangles > 0)
     print_err("  cut         {} triangles that are huge beside their distance to the eye, into {} pieces\n",
@@ -84,12 +84,12 @@ void print_details(const Run& run) {
 }
 
 // "1.8 % +- 0.3 %", "100 % +- 2 %".
-std::string percent_text(double share, double error) {
+std::string percent_text(double fraction, double error) {
   const auto text = [](double percent, int digits) { // those that count, and none after an exponent
     return percent < std::pow(10.0, digits) - 0.5 ? fmt::format("{:.{}g}", percent, digits)
                                                   : fmt::format("{:.0f}", percent);
   };
-  return fmt::format("{} % +- {} %", text(100.0 * share, 2), text(100.0 * error, 1));
+  return fmt::format("{} % +- {} %", text(100.0 * fraction, 2), text(100.0 * error, 1));
 }
 
 } // namespace
@@ -108,7 +108,7 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
                     missing.no_lost));
   if (cut)
     bias.front() += fmt::format(": {} of the light is missing, measured to {} bounces",
-                                percent_text(cut->share, cut->standard_error), cut->deeper);
+                                percent_text(cut->fraction, cut->standard_error), cut->deeper);
   if (lost && lost->disagrees)
     bias.emplace_back(
         "path and bidirectional disagree on light that both find, after one bounce: one of them is wrong; please "
@@ -118,7 +118,7 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
     bias.push_back(fmt::format(
         "light of lamps and suns through thick smooth glass and off mirrors is missing: {} of all light; --integrator "
         "bidirectional finds it",
-        percent_text(lost->share, lost->standard_error)));
+        percent_text(lost->fraction, lost->standard_error)));
   if (const std::string unlit = unlit_bodies(scene); !unlit.empty() && settings.integrator->nests_bodies)
     bias.push_back(unlit);
   if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))

@@ -39,8 +39,8 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
     throw Error(request.file, fmt::format("begins at sample {}, not {}", state.first_sample, settings.first_sample),
                 "use the --samples that it was begun with");
   const std::uint32_t end = state.cursor.sample + state.cursor.pass_samples; // also of a pass that is in progress
-  const bool shares_out = is_adaptive(settings) || !state.levels.empty();
-  if (end > (shares_out ? whole_steps(settings.last_sample) : settings.last_sample))
+  const bool adapts = is_adaptive(settings) || !state.levels.empty();
+  if (end > (adapts ? whole_steps(settings.last_sample) : settings.last_sample))
     throw Error(request.file, fmt::format("already holds samples up to {}, beyond {}", end, settings.last_sample),
                 fmt::format("ask for {} samples or more", end - state.first_sample));
   if (record.device != device_text(device))

@@ -104,10 +104,10 @@ struct Sums {
 // The pixels of a block, and the sum of their squared errors over that of the probed pixel, which has two replicates.
 // The weight of the probed pixel stands for all weights: each pixel had the same chance to be probed, so that the sum
 // over blocks is right on average, whatever the pixels of a block have in common.
-struct BlockShare {
+struct BlockFactors {
   double pixels = 0.0, times = 0.0;
 };
-BlockShare share_of(const Film& film, std::size_t probed) {
+BlockFactors factors_of(const Film& film, std::size_t probed) {
   const auto pixels = static_cast<double>(pixels_probed_by(film, probed));
   const double both = sample_count(film, probed), first = film.pixels[probed].count;
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
@@ -158,14 +158,14 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* qu
     if (!probed && alone / kFloor <= sums.largest_alone) continue; // whatever it weighs
     // A pixel that is not measured has the variance of one that did not get its bright sample.
     const glm::dvec3 w = weight(rows, i, probed ? 0.0 : alone);
-    const BlockShare share = film.has_probes && probed ? share_of(film, i) : BlockShare{1.0, 1.0};
-    sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * share.times);
+    const BlockFactors factors = film.has_probes && probed ? factors_of(film, i) : BlockFactors{1.0, 1.0};
+    sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * factors.times);
     if (!probed) continue;
-    const double squared = mean_of(rows[i].variance * w) * share.times / share.pixels;
+    const double squared = mean_of(rows[i].variance * w) * factors.times / factors.pixels;
     if (quads)
-      quads->add(i, squared, share.pixels);
+      quads->add(i, squared, factors.pixels);
     else
-      sums.add(squared, share.pixels);
+      sums.add(squared, factors.pixels);
   }
   return sums;
 }
@@ -204,12 +204,12 @@ ErrorEstimate estimate_error(const Film& film) {
   const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / probed + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
-  double high = mean + kNormal95 * spread, share = sum > 0.0 ? largest / sum : 0.0;
+  double high = mean + kNormal95 * spread, fraction = sum > 0.0 ? largest / sum : 0.0;
   if (film.has_probes) { // the largest sample may lie where no pixel is probed
     high = std::max(high, mean + largest / n);
-    share = std::min(share, 1.0);
+    fraction = std::min(fraction, 1.0);
   }
-  return {std::sqrt(mean), {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(high)}, share};
+  return {std::sqrt(mean), {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(high)}, fraction};
 }
 
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error) {

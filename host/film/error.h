@@ -20,7 +20,7 @@ struct ErrorEstimate {
   std::array<double, 2> ci95{};
   // Fraction of the estimated squared error that the largest single sample alone would explain. If it is large, both
   // the estimate and the picture depend on few samples: fireflies.
-  double largest_sample_share = 0.0;
+  double largest_sample_fraction = 0.0;
 };
 
 struct Checkpoint { // at powers of two of spp, and at the end

@@ -21,8 +21,8 @@ double adaptive_pilot_paths(const RenderPlan& settings) {
 
 bool may_pay_adaptive(const RenderPlan& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
-  return settings.adaptive == kAdaptiveAuto && supports(*settings.integrator, "adaptive") && shares_out &&
+  const bool adapts = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
+  return settings.adaptive == kAdaptiveAuto && supports(*settings.integrator, "adaptive") && adapts &&
          pixels >= kFewestPixels && pixels <= kMostPixels && may_make_pilots(settings, true) &&
          expected_paths(settings, true) >= kWholeOverPilot * adaptive_pilot_paths(settings);
 }

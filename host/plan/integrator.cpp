@@ -79,7 +79,7 @@ struct Tried {
 
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
-double training_share(const RenderPlan& settings, const RenderResult& trial, const Round& round) {
+double training_fraction(const RenderPlan& settings, const RenderResult& trial, const Round& round) {
   const bool longer = trial.guide && trial.guide->used;
   const double length = longer ? std::exp2(static_cast<double>(kGuideIterations - round.guide_iterations)) : 1.0;
   return length * paths_of(pilot_of(settings, round)) / paths_of(settings);
@@ -225,10 +225,11 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
   std::vector<Tried> tried;
   const auto try_out = [&](const RenderPlan& candidate, const Round& round) {
     RenderPlan small = pilot_of(candidate, round);
-    if (!tried.empty()) small.training.found = pilots.shared().light_shares; // that the first trained, as they would
+    if (!tried.empty())
+      small.training.found = pilots.shared().light_probabilities; // that the first trained, as they would
     PilotRender pilot = pilots.run(small);
     Tried one{candidate, std::move(pilot.result), pilot.light, pilot.steady_work, pilot.training_work};
-    one.work = one.steady + one.learned * training_share(candidate, one.result, round);
+    one.work = one.steady + one.learned * training_fraction(candidate, one.result, round);
     choice.fraction += paths_of(small) / expected_paths(settings, cpu);
     return one;
   };
@@ -273,7 +274,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
   if (choice.taken > 0 && tried[choice.taken].settings.integrator != tried[0].settings.integrator)
     if (const auto apart = find_disagreement(pilots.device(), scene, pilots.view(), tried[0].settings,
                                              tried[choice.taken].settings, pilots.kernels(), pilots.shared()))
-      disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->share,
+      disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->fraction,
                                          100.0 * apart->standard_error));
   choice.settings = tried[choice.taken].settings;
   choice.seconds = seconds_since(start);

@@ -53,7 +53,7 @@ PilotRender PilotRunner::run(const RenderPlan& pilot) {
   while (loop->step()) {
   }
   PilotRender made{.settings = pilot, .result = loop->finish()};
-  if (made.result.light_training.shares) shared_.light_shares = made.result.light_training.shares;
+  if (made.result.light_training.probabilities) shared_.light_probabilities = made.result.light_training.probabilities;
   render_seconds_ += made.result.seconds;
   made.light = light_of(*made.result.film);
   made.steady_work = steady_work(pilot, made.result, cpu_);

@@ -81,7 +81,7 @@ void decide_sky_samples(Plan& plan, const PackedScene& scene, bool cpu, PilotRun
   if (pilots) {
     choice = choose_sky_samples(*pilots, settings);
     settings.kernels.sky_samples = choice.keeps_kernels;
-  } else if (may_try_sky(settings, cpu) && may_share_sky(settings, scene.features)) {
+  } else if (may_try_sky(settings, cpu) && may_sample_sky(settings, scene.features)) {
     plan.decisions.push_back(to_be_tried("sky-samples", kSkyPilot, settings, cpu));
     return;
   }

@@ -43,7 +43,7 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   const double rendered_before = pilots.render_seconds();
   const PilotRender apart = pilots.run(reuse_pilot_of(trying, kReuseOff));
   RenderPlan sharing = reuse_pilot_of(trying, kReuseOn);
-  sharing.training.found = apart.result.light_training.shares;
+  sharing.training.found = apart.result.light_training.probabilities;
   const PilotRender together = pilots.run(sharing);
   ReuseChoice choice{.tried = true};
   if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();

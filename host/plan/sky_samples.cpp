@@ -44,7 +44,7 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   const bool cpu = pilots.is_cpu();
   const gpu::Feature features = pilots.scene().features;
   const bool longer = expected_paths(settings, cpu) >= kSkyPilot.render_over_pilots * kCpuSkyKernels;
-  if (!may_try_sky(settings, cpu) || !may_share_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
+  if (!may_try_sky(settings, cpu) || !may_sample_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
     return {};
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();

@@ -42,7 +42,7 @@ std::optional<Disagreement> find_disagreement(Device& device, const PackedScene&
       // The kernels of the render serve, which may pass panes where there are bounces left.
       if (once.integrator->passes_panes)
         once.kernels.added |= scene.features & (gpu::kFeaturePanes | gpu::kFeatureWalls);
-      once.training.found = shared.light_shares;
+      once.training.found = shared.light_probabilities;
       light[i] = light_of(*render(device, scene, view, once, RenderHooks{}, kernels, &shared).film);
     }
     const double most = std::max(light[0].sum, light[1].sum), gap = light[1].sum - light[0].sum;
@@ -53,7 +53,7 @@ std::optional<Disagreement> find_disagreement(Device& device, const PackedScene&
   const std::optional<Disagreement> once = gap_at(kAgreementSamples, 0x51ed270bu);
   if (!once) return std::nullopt;
   const std::optional<Disagreement> again = gap_at(kConfirmingSamples, 0x2545f491u);
-  return again && (again->share > 0.0) == (once->share > 0.0) ? again : std::nullopt;
+  return again && (again->fraction > 0.0) == (once->fraction > 0.0) ? again : std::nullopt;
 }
 
 bool differ_both_ways(const Film& a, const Film& b) {

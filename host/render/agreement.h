@@ -8,7 +8,7 @@
 namespace wavepath {
 
 struct Disagreement {
-  double share = 0.0;          // by which the second is brighter than the first, over the brighter one
+  double fraction = 0.0;       // by which the second is brighter than the first, over the brighter one
   double standard_error = 0.0; // of that
 };
 

@@ -12,9 +12,9 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderPlan small = pilot_settings(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
-  small.training.found = shared.light_shares;
+  small.training.found = shared.light_probabilities;
   const Picture cut = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
-  small.training.found = shared.light_shares; // both with the same, wherever they were learned
+  small.training.found = shared.light_probabilities; // both with the same, wherever they were learned
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
 

@@ -6,7 +6,7 @@
 namespace wavepath {
 
 struct DepthCut {
-  double share = 0.0;          // of all light, missing
+  double fraction = 0.0;       // of all light, missing
   double standard_error = 0.0; // of that
   std::uint32_t deeper = 0;    // bounces up to which it was measured
 };

@@ -55,7 +55,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
       !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
   RenderPlan small = pilot_settings(settings, kLostLightSide, kLostLightSamples);
-  small.training.found = shared.light_shares;
+  small.training.found = shared.light_probabilities;
   const PictureLight found = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   small.integrator = *finder;
   small.kernels.added = settings.kernels.added;
@@ -64,7 +64,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   if (!(all.sum > 0.0)) return LostLight{};
   LostLight lost{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
   constexpr double kSurelyLost = 4.0;
-  if (lost.share > kSurelyLost * lost.standard_error)
+  if (lost.fraction > kSurelyLost * lost.standard_error)
     lost.disagrees = find_disagreement(device, scene, view, settings, small, kernels, shared).has_value();
   return lost;
 }

@@ -10,7 +10,7 @@
 namespace wavepath {
 
 struct LostLight {
-  double share = 0.0;          // of all light, missing
+  double fraction = 0.0;       // of all light, missing
   double standard_error = 0.0; // of that
   // The two integrators disagree on light that both find (agreement.h): then one of them is wrong, and the difference
   // is no loss.

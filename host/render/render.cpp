@@ -22,7 +22,8 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
     while (loop.step()) {
     }
     RenderResult result = loop.finish();
-    if (shared && result.light_training.shares) shared->light_shares = result.light_training.shares;
+    if (shared && result.light_training.probabilities)
+      shared->light_probabilities = result.light_training.probabilities;
     return result;
   } catch (const DeviceLost& lost) {
     if (!hooks.salvages) throw;

@@ -12,7 +12,7 @@ namespace {
 // Triangles that only reach into what shines count as well; as many as lie within this part of the image around a disk.
 constexpr double kLitBorder = 0.1;
 
-double lit_share(const Image& image) {
+double lit_fraction(const Image& image) {
   if (image.bytes.empty() && image.floats.empty()) return 1.0; // not decoded yet
   const std::size_t texels = std::size_t{image.width} * image.height;
   std::size_t lit = 0;
@@ -58,22 +58,22 @@ Usage find_usage(const Scene& scene) {
 }
 
 std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
-  std::vector<double> shares(scene.images.size(), -1.0); // by image, of its texels; negative: not counted yet
+  std::vector<double> fractions(scene.images.size(), -1.0); // by image, of its texels; negative: not counted yet
   std::uint64_t emitters = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
     for (const Primitive& primitive : scene.meshes[m].primitives) {
       const Material& material = scene.materials[primitive.material];
       const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
       if (!shines) continue;
-      double share = 1.0;
-      if (material.emission_texture.image < shares.size()) { // before images are read there is none
-        double& counted = shares[material.emission_texture.image];
-        if (counted < 0.0) counted = lit_share(scene.images[material.emission_texture.image]);
-        share = std::min(1.0, counted + 2.0 * std::sqrt(counted) * kLitBorder);
+      double fraction = 1.0;
+      if (material.emission_texture.image < fractions.size()) { // before images are read there is none
+        double& counted = fractions[material.emission_texture.image];
+        if (counted < 0.0) counted = lit_fraction(scene.images[material.emission_texture.image]);
+        fraction = std::min(1.0, counted + 2.0 * std::sqrt(counted) * kLitBorder);
       }
       const double triangles =
           static_cast<double>(primitive.index_count / 3) * static_cast<double>(usage.mesh_instances[m]);
-      emitters += static_cast<std::uint64_t>(std::ceil(share * triangles));
+      emitters += static_cast<std::uint64_t>(std::ceil(fraction * triangles));
     }
   return emitters;
 }

@@ -61,8 +61,8 @@ Environment sun_and_sky(std::uint32_t width, glm::dvec3& sun) {
         const double u = x + (piece % kPieces + 0.5) / kPieces, v = y + (piece / kPieces + 0.5) / kPieces;
         covered += glm::length(glm::cross(direction_at(map, u, v), sun)) < std::sin(kSunRadius);
       }
-      const double share = static_cast<double>(covered) / (kPieces * kPieces);
-      map.map[static_cast<std::size_t>(y) * width + x] += glm::vec3(static_cast<float>(kSunRadiance * share));
+      const double fraction = static_cast<double>(covered) / (kPieces * kPieces);
+      map.map[static_cast<std::size_t>(y) * width + x] += glm::vec3(static_cast<float>(kSunRadiance * fraction));
     }
   return map;
 }

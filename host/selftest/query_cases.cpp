@@ -66,8 +66,8 @@ Measurement against_traversal(const SelftestContext& context) {
     different += id(ours, a[i]) != id(theirs, b[i]);
     different += blocked[i] != blocked_too[i];
   }
-  const double share = static_cast<double>(different) / (2.0 * static_cast<double>(rays.size()));
-  return judge_near(share, 0.0, 1e-3, fmt::format("share of {} answers, sizes from 10^-3 to 10^3", 2 * rays.size()));
+  const double fraction = static_cast<double>(different) / (2.0 * static_cast<double>(rays.size()));
+  return judge_near(fraction, 0.0, 1e-3, fmt::format("share of {} answers, sizes from 10^-3 to 10^3", 2 * rays.size()));
 }
 
 constexpr SelftestCase kQueryCases[] = {

@@ -57,21 +57,21 @@ public:
     }
     if (study_.series.empty()) throw Error("the grid", study_.unsupported.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
-    reference_share_ = varies_shadows_ ? kShadowReferenceShare : kReferenceShare;
-    double share = settings_.budget * (reference ? 1.0 : 1.0 - reference_share_);
+    reference_fraction_ = varies_shadows_ ? kShadowReferenceFraction : kReferenceFraction;
+    double fraction = settings_.budget * (reference ? 1.0 : 1.0 - reference_fraction_);
     study_.reference = reference ? *std::move(reference) : render_reference();
     if (varies_shadows_) shadowed_ = hybrid->settings;
     if (occlusion && !study_.interrupted) {
       study_.occlusion = render_occlusion();
-      share -= kOcclusionShare * settings_.budget;
+      fraction -= kOcclusionFraction * settings_.budget;
     }
     if (hybrid && !study_.interrupted && device_.info().rasterizes)
       study_.first_hits = measure_first_hits(hybrid->settings);
     if (study_.interrupted) return std::move(study_);
     if (varies_shadows_)
-      measure_shadows(share);
+      measure_shadows(fraction);
     else
-      measure_all(share / static_cast<double>(study_.series.size()));
+      measure_all(fraction / static_cast<double>(study_.series.size()));
     if (!study_.unsupported.empty())
       std::erase_if(study_.series, [&](const Series& one) {
         const std::string name = one.configuration.name();
@@ -156,7 +156,7 @@ private:
     settings.integrator = &default_integrator();
     if (by_signal_) settings.aovs = {"direct"};
     KernelCompiler kernels(device_);
-    return converge(settings, settings_.reference_spp, reference_share_, kernels, "reference");
+    return converge(settings, settings_.reference_spp, reference_fraction_, kernels, "reference");
   }
 
   StudyReference render_occlusion() {
@@ -166,31 +166,31 @@ private:
     settings.ao_samples = 16;
     settings.denoise = kDenoiseOff;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
-    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // a frame is never cut short
+    settings.time_limit = 2.0 * kOcclusionFraction * settings_.budget; // a frame is never cut short
     KernelCompiler kernels(device_);
-    return converge(settings, 0, kOcclusionShare, kernels, "reference of occlusion");
+    return converge(settings, 0, kOcclusionFraction, kernels, "reference of occlusion");
   }
 
   // `spp`: 0 = what a share of the budget allows.
-  StudyReference converge(RenderPlan settings, std::uint32_t spp, double share, KernelCompiler& kernels,
+  StudyReference converge(RenderPlan settings, std::uint32_t spp, double fraction, KernelCompiler& kernels,
                           const std::string& what) {
     settings.seed = settings_.render.seed ^ kReferenceSeed;
-    settings.last_sample = spp > 0 ? spp : affordable_samples(settings, share * settings_.budget, kernels, what);
+    settings.last_sample = spp > 0 ? spp : affordable_samples(settings, fraction * settings_.budget, kernels, what);
     RenderResult result = render_one(settings, kernels, what);
     return {std::move(result.picture), "", estimated_error(result), settings.seed, result.spp, result.seconds};
   }
 
-  std::uint32_t affordable_samples(RenderPlan settings, double share, KernelCompiler& kernels,
+  std::uint32_t affordable_samples(RenderPlan settings, double fraction, KernelCompiler& kernels,
                                    const std::string& what) {
-    constexpr double kPilotShare = 1.0 / 32.0; // of the share
+    constexpr double kPilotFraction = 1.0 / 32.0; // of the share
     const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
       seconds = render_one(settings, kernels, "trial for the " + what).seconds;
-      if (study_.interrupted || seconds > kPilotShare * share) break;
+      if (study_.interrupted || seconds > kPilotFraction * fraction) break;
     }
     const double samples =
-        std::numbers::sqrt2 * (share - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
+        std::numbers::sqrt2 * (fraction - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
   }
 
@@ -224,7 +224,7 @@ private:
 
   // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
   // its last render would not fit into what is left of its share.
-  void measure_all(double share) {
+  void measure_all(double fraction) {
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);
     std::vector<KernelCompiler*> active;
@@ -244,7 +244,7 @@ private:
         }
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
-        if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
+        if (used[i] + 2.0 * seconds > fraction || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
   }
 
@@ -400,7 +400,7 @@ private:
   Study study_;
   bool by_signal_ = false; // direct light and occlusion on their own as well
   bool varies_shadows_ = false;
-  double reference_share_ = 0.0;
+  double reference_fraction_ = 0.0;
   // Where shadows are varied: a configuration that has some, and by octave the light with true ones and without any.
   RenderPlan shadowed_;
   std::map<std::uint32_t, PointLight> true_light_;

@@ -22,10 +22,10 @@
 namespace wavepath {
 
 // Of the rendering time, so that the best of nine configurations still ends at several times the reference's error.
-inline constexpr double kReferenceShare = 0.5;
-inline constexpr double kShadowReferenceShare = 0.2; // where shadows vary: techniques have a truth of their own
+inline constexpr double kReferenceFraction = 0.5;
+inline constexpr double kShadowReferenceFraction = 0.2; // where shadows vary: techniques have a truth of their own
 // Of the same, for the reference of ambient occlusion where the grid has any. It comes off what is left.
-inline constexpr double kOcclusionShare = 0.1;
+inline constexpr double kOcclusionFraction = 0.1;
 // Below this multiple of the reference's own error, that error is more than a tenth of the MSE measured.
 inline constexpr double kFloor = 3.0;
 

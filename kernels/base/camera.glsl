@@ -30,10 +30,10 @@ void camera_ray(vec2 position, out vec3 origin, out vec3 direction) {
 // A point of the unit disc, or of the regular polygon in it with a corner at the top; uniform over the area.
 vec2 sample_aperture(vec2 u) {
   if (kLens == kLensDisc) return warp_disk(u);
-  float blade = floor(u.x * float(kLens)), share = u.x * float(kLens) - blade;
+  float blade = floor(u.x * float(kLens)), fraction = u.x * float(kLens) - blade;
   vec2 first = cos_sin_turns(fract(0.25 + blade / float(kLens))),
        second = cos_sin_turns(fract(0.25 + (blade + 1.0) / float(kLens)));
-  return sqrt(u.y) * mix(first, second, share);
+  return sqrt(u.y) * mix(first, second, fraction);
 }
 
 // From the middle of the lens.

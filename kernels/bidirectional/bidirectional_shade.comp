@@ -120,15 +120,15 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
     if (wave.bounce + 1u + at.bounce > frame.max_depth) break;
     Surface candidate;
     vec3 light = connect_to_vertex(v, at, slot, weights, candidate);
-    float share = luminance(light);
-    if (!(share > 0.0)) continue;
-    total += share;
-    float probability = share / total;
+    float brightness = luminance(light);
+    if (!(brightness > 0.0)) continue;
+    total += brightness;
+    float probability = brightness / total;
     bool takes = u < probability;
     u = min(takes ? u / probability : (u - probability) / (1.0 - probability), kOneMinusEpsilon);
     if (takes) {
       target = candidate;
-      picked = share;
+      picked = brightness;
       c.contribution = light;
       c.triangle = at.triangle;
       c.instance = at.instance;

@@ -27,9 +27,9 @@ layout(local_size_x = kWorkgroupSize) in;
 void keep_photon(uint slot, Photon photon, float u) {
   uint replicate = wave.first_sample % kReplicates,
        place = replicate * photon_frame.path_count + wave.first_pixel + slot;
-  float share = luminance(photon.light), before = merge_weights[slot], total = before + share;
+  float brightness = luminance(photon.light), before = merge_weights[slot], total = before + brightness;
   merge_weights[slot] = total;
-  if (!(share > 0.0)) return;
+  if (!(brightness > 0.0)) return;
   bool replaces = u * total >= before;
   if (before > 0.0) {
     Photon earlier = fetch_photon(place);
@@ -39,7 +39,7 @@ void keep_photon(uint slot, Photon photon, float u) {
       store_photon_light(place, earlier.light * (total / before), earlier.others);
   }
   if (!replaces) return;
-  photon.light *= total / share;
+  photon.light *= total / brightness;
   store_photon(place, photon);
   atomicAdd(photon_cells[cell_place(cell_of(photon.position), replicate)].x, 1u);
 }
@@ -101,7 +101,7 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
   BsdfSample s;
   bool goes_on;
   vec2 left = u;
-  if (take_share(left.y, go)) {
+  if (take_with_probability(left.y, go)) {
     goes_on = pass(v, local, lobes, go, u_choice.x, left, path, weights, w, s);
   } else {
     if (!after_delta || !bsdf_has_smooth(v.bsdf) || wave.bounce > kMostPhotonBounces) return false;

@@ -69,27 +69,27 @@ Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   precise float area = edge.x * (apex.y - b.y) - edge.y * (apex.x - b.x);
   precise float rest = v + w;
   precise float weight = clamp((edge.y * b.x - edge.x * b.y) / area, 0.0, 1.0);
-  float share_b = rest != 0.0 ? v / rest : 0.0, share_c = rest != 0.0 ? w / rest : 1.0;
+  float fraction_b = rest != 0.0 ? v / rest : 0.0, fraction_c = rest != 0.0 ? w / rest : 1.0;
   // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
-  precise float base = abs(b.z) < abs(c.z) ? b.z + share_c * (c.z - b.z) : c.z + share_b * (b.z - c.z);
+  precise float base = abs(b.z) < abs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
   precise float t = base + weight * (apex.z - base);
   if (!(abs(area) >= kSmallestNormal)) return Place(0.0, 0.0, 0.0, 0.0);
-  Place place = Place(t, 0.0, weight, (1.0 - weight) * share_b);
+  Place place = Place(t, 0.0, weight, (1.0 - weight) * fraction_b);
 
   // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
   if (min(apex.z, min(b.z, c.z)) > 0.0) return place;
   const float kEpsilon = 5.9604645e-8;
   float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)),
         extent_c = max(abs(c.x), abs(c.y));
-  float weight_b = place.b, weight_c = (1.0 - weight) * share_c;
+  float weight_b = place.b, weight_c = (1.0 - weight) * fraction_c;
   float depths = weight * abs(apex.z) + weight_b * abs(b.z) + weight_c * abs(c.z);
   float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths / abs(ray.shear.z);
   float longest = extent_a + max(extent_b, extent_c);
   float apex_error =
       max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
-  float share_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
+  float fraction_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
   place.t_error =
-      kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(share_error, 16777216.0) * abs(b.z - c.z));
+      kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(fraction_error, 16777216.0) * abs(b.z - c.z));
   return place;
 }
 

@@ -59,9 +59,9 @@ void main() {
       uvec4 there = texelFetch(guide_in, place);
       vec4 other = texelFetch(color_in, place);
       Likeness likeness = compare_shapes(here, normal, slope, there, vec2(offset));
-      float share = in_picture(pixel + offset) ? spline(x) * spline(y) * likeness.weight : 0.0;
+      float fraction = in_picture(pixel + offset) ? spline(x) * spline(y) * likeness.weight : 0.0;
       vec2 unlike = mix(vec2(0.0), abs(values(other) - value) / tolerance, known); // a centre without a value takes any
-      vec2 both = mix(vec2(0.0), share * exp(-likeness.distance - unlike), errors_known(there.w));
+      vec2 both = mix(vec2(0.0), fraction * exp(-likeness.distance - unlike), errors_known(there.w));
       vec2 errors = unpack_errors(there.w);
       change += both.xxxy * (other - color);
       variance += both * both * errors * errors;

@@ -41,8 +41,8 @@ void main() {
   vec3 light = texelFetch(color_in, index).xyz;
   float around = mean_around(pixel, here), own = usable(light) ? luminance(light) : 0.0;
   float bound = kRare * around;
-  float share = seen(here) && around >= 0.0 && own > bound ? (own - bound) / own : 0.0;
-  color_out[index] = vec4(share > 0.0 ? share * light : vec3(0.0), 0.0);
+  float fraction = seen(here) && around >= 0.0 && own > bound ? (own - bound) / own : 0.0;
+  color_out[index] = vec4(fraction > 0.0 ? fraction * light : vec3(0.0), 0.0);
   guide_out[index] = here;
   slopes[index] = vec2(slope_along(pixel, ivec2(1, 0), here), slope_along(pixel, ivec2(0, 1), here));
 }

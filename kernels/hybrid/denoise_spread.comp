@@ -24,8 +24,8 @@ void main() {
       ivec2 offset = ivec2(x, y) * step;
       int place = pixel_index(pixel + offset);
       Likeness likeness = compare_shapes(here, normal, slope, texelFetch(guide_in, place), vec2(offset));
-      float share = in_picture(pixel + offset) ? likeness.weight / float(1 << (abs(x) + abs(y))) : 0.0;
-      float weight = share * exp(-likeness.distance);
+      float fraction = in_picture(pixel + offset) ? likeness.weight / float(1 << (abs(x) + abs(y))) : 0.0;
+      float weight = fraction * exp(-likeness.distance);
       sum += weight * texelFetch(color_in, place).xyz;
       weights += weight;
     }

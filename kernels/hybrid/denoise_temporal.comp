@@ -56,8 +56,8 @@ Past find_past(ivec2 pixel, uvec4 here, vec2 slope) {
   vec2 part = place.xy - vec2(corner);
   for (int i = 0; i < 4; ++i) {
     ivec2 side = ivec2(i & 1, i >> 1);
-    vec2 shares = mix(1.0 - part, part, bvec2(side));
-    add_tap(past, corner + side, shares.x * shares.y, here, normal, expected, tolerance);
+    vec2 fractions = mix(1.0 - part, part, bvec2(side));
+    add_tap(past, corner + side, fractions.x * fractions.y, here, normal, expected, tolerance);
   }
   // At edges, which jitter moves to and fro, the nearest pixels may all show another surface: then the search widens.
   const float kLeastWeight = 0.01;
@@ -85,15 +85,15 @@ void main() {
   vec2 known = max(past.weights, 1e-30);
   uint longest = frames.still != 0u ? kStillLength : kMovingLength;
   uvec2 lengths = min(uvec2(past.lengths / known + 0.5) + uvec2(present), uvec2(longest));
-  vec2 share = mix(vec2(0.0), 1.0 / vec2(max(lengths, 1u)), present); // of this frame
+  vec2 fraction = mix(vec2(0.0), 1.0 / vec2(max(lengths, 1u)), present); // of this frame
 
   vec4 color = past.color / known.xxxy;
-  color += share.xxxy * (signal - color);
+  color += fraction.xxxy * (signal - color);
   // Mean and variance instead of the first two moments, whose difference would cancel.
   vec4 moments = past.moments / known.xxyy;
   vec2 change = vec2(luminance(signal.xyz), signal.w) - moments.xz;
-  moments.xz += share * change;
-  moments.yw = (1.0 - share) * (moments.yw + share * change * change);
+  moments.xz += fraction * change;
+  moments.yw = (1.0 - fraction) * (moments.yw + fraction * change * change);
 
   bvec2 filtered = bvec2(kWantDirect && seen(here), kWantOcclusion && seen(here));
   history_now[index] = vec4(filtered.x ? color.xyz : signal.xyz, filtered.y ? color.w : signal.w);

@@ -108,9 +108,9 @@ void main() {
   bool present = usable(color);
   if (!present) color = plain / max(count, 1.0); // where there is no history either
   float frames_in = present ? min(history.w + 1.0, kMostFrames) : history.w;
-  float share = history.w == 0.0 ? 1.0 : present ? 1.0 / frames_in : 0.0;
-  float now = share * tone_weight(color), then = (1.0 - share) * tone_weight(history.xyz);
-  vec3 joined = share == 1.0 ? color : history.xyz + (color - history.xyz) * (now / (now + then));
+  float fraction = history.w == 0.0 ? 1.0 : present ? 1.0 / frames_in : 0.0;
+  float now = fraction * tone_weight(color), then = (1.0 - fraction) * tone_weight(history.xyz);
+  vec3 joined = fraction == 1.0 ? color : history.xyz + (color - history.xyz) * (now / (now + then));
   vec4 result = vec4(joined, frames_in);
   color_out[index] = result;
   history_now[index] = result;

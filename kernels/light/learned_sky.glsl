@@ -22,7 +22,7 @@ uint first_band(Receiver receiver) {
 }
 uint first_in_band(uint first_band_, uint band) { return first_band_ + kSkySide + band * kSkySide; }
 
-float interval_share(uint i) { return share_of_integers(sky_end(i) - (i > 0u ? sky_end(i - 1u) : 0u)); }
+float sky_probability(uint i) { return fraction_of_integers(sky_end(i) - (i > 0u ? sky_end(i - 1u) : 0u)); }
 
 // Turns numbers into such that the map is drawn from in the shares of the receiver's cell. Returns how many times more
 // probable its part has become.
@@ -32,13 +32,13 @@ float pick_sky_part(Receiver receiver, inout uvec2 u) {
   first_sky_end = first;
   PICK_INTERVAL(u.y, kSkySide, sky_end, band, begin, end)
   u.y = stretch(u.y - begin, end - begin);
-  float share = share_of_integers(end - begin);
+  float probability = fraction_of_integers(end - begin);
   first_sky_end = first_in_band(first, band);
   PICK_INTERVAL(u.x, kSkySide, sky_end, column, begin, end)
   u.x = stretch(u.x - begin, end - begin);
-  share *= share_of_integers(end - begin);
+  probability *= fraction_of_integers(end - begin);
   u = u >> kSkySideBits | uvec2(column, band) << (32u - kSkySideBits);
-  return share * float(kSkyParts);
+  return probability * float(kSkyParts);
 }
 
 // A direction of a sky of one colour, and the two numbers that would have drawn it.
@@ -71,9 +71,9 @@ float sky_part_ratio(Receiver receiver, vec3 direction) {
   if (!uses_learned_sky()) return 1.0;
   uvec2 part = sky_part(direction);
   first_sky_end = first_band(receiver);
-  float share = interval_share(part.y);
+  float probability = sky_probability(part.y);
   first_sky_end = first_in_band(first_sky_end, part.y);
-  return share * interval_share(part.x) * float(kSkyParts);
+  return probability * sky_probability(part.x) * float(kSkyParts);
 }
 
 // How many times more probable the environment, in this direction, is than by power.

@@ -54,8 +54,8 @@ vec2 weights_in_part(uint depth, uint cell, uint cells, vec2 weights) {
 // What KHR_lights_punctual has for lights with a `range`, at the square of a distance: 1 near the light, 0 from the
 // range on.
 float range_window(float inverse_range, float distance_squared) {
-  float share = distance_squared * (inverse_range * inverse_range);
-  return clamp(1.0 - share * share, 0.0, 1.0);
+  float fraction = distance_squared * (inverse_range * inverse_range);
+  return clamp(1.0 - fraction * fraction, 0.0, 1.0);
 }
 
 // Irradiance that a point, spot or directional light gives a surface at p which faces it. to_light: to the light itself

@@ -74,11 +74,11 @@ uint cluster_branches(uint cluster) {
 // Shares of the picks that groups of lights have by power. The intervals of the local ones come first.
 uint local_end() { return light_end(frame.local_light_count - 1u); }
 uint placed_lights() { return frame.light_count - (frame.environment_probability > 0.0 ? 1u : 0u); }
-float share_of_integers(uint count) { return float(count) * (1.0 / 4294967296.0); }
+float fraction_of_integers(uint count) { return float(count) * (1.0 / 4294967296.0); }
 
 // Probability of a local light, to which a walk has led.
 float local_probability(Receiver receiver, LightWalk walk, uint cluster) {
-  if (!uses_light_cells()) return share_of_integers(local_end()) * walk.probability;
+  if (!uses_light_cells()) return fraction_of_integers(local_end()) * walk.probability;
   uint cell = light_cell(receiver);
   return cluster_probability(cell, kTreeCluster) * walk.probability + cluster_probability(cell, cluster) * walk.below_cluster;
 }
@@ -86,12 +86,12 @@ float local_probability(Receiver receiver, LightWalk walk, uint cluster) {
 uint directional_group() { return light_end(placed_lights() - 1u) - local_end(); }
 
 // A directional light, by power among them.
-uint pick_directional(inout uvec2 u, out float group_share) {
+uint pick_directional(inout uvec2 u, out float group_probability) {
   uint count = placed_lights(), group = local_end(), size = directional_group(), offset, rest;
   umulExtended(u.x, size, offset, rest);
   uint index, begin, end, pick = group + offset;
   PICK_INTERVAL(pick, count, light_end, index, begin, end)
-  group_share = share_of_integers(size);
+  group_probability = fraction_of_integers(size);
   return index;
 }
 
@@ -106,9 +106,9 @@ uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
     PICK_INTERVAL(pick, kLightClusters, cluster_end, cluster, begin, end)
     u.x = stretch(pick - begin, end - begin);
     if (cluster == kEnvironmentCluster || cluster == kDirectionalCluster) {
-      float group_share = frame.environment_probability;
-      uint light = cluster == kEnvironmentCluster ? placed_lights() : pick_directional(u, group_share);
-      ratio = cluster_probability(current_cell, cluster) / group_share;
+      float group_probability = frame.environment_probability;
+      uint light = cluster == kEnvironmentCluster ? placed_lights() : pick_directional(u, group_probability);
+      ratio = cluster_probability(current_cell, cluster) / group_probability;
       return light;
     }
   } else {
@@ -140,7 +140,7 @@ float light_ratio(Receiver receiver, uint light) {
   if (light < frame.local_light_count) return local_light_ratio(receiver, light);
   if (light >= placed_lights()) return environment_ratio(receiver);
   if (!uses_light_cells()) return 1.0;
-  return cluster_probability(light_cell(receiver), kDirectionalCluster) / share_of_integers(directional_group());
+  return cluster_probability(light_cell(receiver), kDirectionalCluster) / fraction_of_integers(directional_group());
 }
 
 #endif

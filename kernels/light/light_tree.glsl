@@ -35,8 +35,8 @@ void enter_part(inout Draw draw, uint first, uint size) {
 }
 
 // True with probability `share`, which is neither 0 nor 1.
-bool draw_share(inout Draw draw, float share) {
-  uint below = uint(float(draw.range) * share);
+bool draw_choice(inout Draw draw, float probability) {
+  uint below = uint(float(draw.range) * probability);
   bool inside = draw.value < below;
   enter_part(draw, inside ? 0u : below, inside ? below : draw.range - below);
   return inside;
@@ -109,7 +109,7 @@ LightCluster fetch_light_root() {
 // The two subtrees of a node, and the probability of the first.
 struct Fork {
   LightCluster child[2];
-  float share;
+  float probability;
   bool dead; // neither can contribute
 };
 
@@ -126,15 +126,15 @@ LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float i
 // A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or
 // more, agree with its probability to 4e-6.
 Fork fetch_fork(Receiver receiver, LightCluster at) {
-  const float kLeastShare = 1.0 / 4096.0;
+  const float kLeastProbability = 1.0 / 4096.0;
   Fork fork;
   float first, second;
   fork.child[0] = fetch_child(receiver, at, 0u, first);
   fork.child[1] = fetch_child(receiver, at, 1u, second);
   fork.dead = first == 0.0 && second == 0.0;
-  fork.share = first == 0.0    ? 0.0
+  fork.probability = first == 0.0    ? 0.0
                : second == 0.0 ? 1.0
-                               : clamp(first / (first + second), kLeastShare, 1.0 - kLeastShare);
+                               : clamp(first / (first + second), kLeastProbability, 1.0 - kLeastProbability);
   return fork;
 }
 
@@ -155,16 +155,16 @@ LightWalk walk_lights(Receiver receiver, uint branches, bool drawn, bool drawn_b
   while ((at.link & kLightLeaf) == 0u) {
     Fork fork = fetch_fork(receiver, at);
     bool first = (branches >> at.depth & 1u) == 0u;
-    float share = fork.share;
+    float probability = fork.probability;
     if (fork.dead) return kNowhere;
     if (drawn) {
-      if (share == 0.0 || share == 1.0) first = share == 1.0;
-      else first = draw_share(draw, share);
+      if (probability == 0.0 || probability == 1.0) first = probability == 1.0;
+      else first = draw_choice(draw, probability);
     }
-    if (!first) share = 1.0 - share;
-    if (share == 0.0) return kNowhere;
-    walk.probability *= share;
-    walk.below_cluster *= share;
+    if (!first) probability = 1.0 - probability;
+    if (probability == 0.0) return kNowhere;
+    walk.probability *= probability;
+    walk.below_cluster *= probability;
     if (first) at = fork.child[0]; else at = fork.child[1];
     if ((at.link & kLightClusterRoot) != 0u) {
       walk.below_cluster = 1.0;

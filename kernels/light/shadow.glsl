@@ -22,7 +22,7 @@ uint shadow_depth;
 
 uint shadow_steps(float passed) { return uint(minus_log2(passed) * float(kShadowSteps) + 0.5); }
 
-float share_passed(uint depth) {
+float fraction_passed(uint depth) {
   return exp2_minus(depth / kShadowSteps, float(depth % kShadowSteps) / float(kShadowSteps));
 }
 
@@ -92,10 +92,10 @@ bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // whe
 // Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels
 // too.
 vec3 light_passed() {
-  vec3 passed = vec3(has(kFeatureAlpha) && shadow_depth > 0u ? share_passed(shadow_depth) : 1.0);
+  vec3 passed = vec3(has(kFeatureAlpha) && shadow_depth > 0u ? fraction_passed(shadow_depth) : 1.0);
 #ifdef SHADOW_PASSES_PANES
   if (has(kFeaturePanes) && pane_count > 0u)
-    passed *= vec3(share_passed(pane_depth.x), share_passed(pane_depth.y), share_passed(pane_depth.z));
+    passed *= vec3(fraction_passed(pane_depth.x), fraction_passed(pane_depth.y), fraction_passed(pane_depth.z));
 #endif
   return passed;
 }

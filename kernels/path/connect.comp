@@ -56,7 +56,7 @@ void tally(Receiver receiver, uint first, uint bins, uint bin, uint brought, boo
     atomicMax(light_sums[behind + 1u], cells_around);
 }
 
-bool is_to_sky(ShadowRay ray) { return SHARES_SKY && ray.light == kNone; }
+bool is_to_sky(ShadowRay ray) { return SAMPLES_SKY && ray.light == kNone; }
 
 void tally(ShadowRay ray, bool blocked) {
   Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(receiver_place(ray.slot))));
@@ -80,7 +80,7 @@ uint queued_target, queued_target_instance; // of the light
 ShadowRay shadow_ray;
 
 void begin_ray(uint index) {
-  shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
+  shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SAMPLES_SKY ? queues.first_shadow : 0u) + index);
   queued_origin = shadow_ray.origin;
   queued_direction = shadow_ray.direction;
   queued_t_max = has(kFeatureVolume) && uses_walls() ? plain_t_max(shadow_ray.t_max) : shadow_ray.t_max;

@@ -25,7 +25,7 @@ void escape(Ray ray, inout PathState path) {
   }
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
   add_radiance(path, slot,
-               path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
+               path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_weight(path.bsdf_pdf));
 }
 
 #endif

@@ -16,7 +16,7 @@
 struct Guide {
   uint map;          // first texel of the leaf's map
   float probability; // of drawing from it
-  float share;       // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
+  float guidable_fraction;       // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
 };
 
 const float kGuidedAlpha = 0.1; // narrower facets are not guided
@@ -33,8 +33,8 @@ Guide find_guide(Lobes l, float alpha, vec3 position) {
     bool second = !(position[axis] < uintBitsToFloat(upper ? node.z : node.y));
     node = texelFetch(guide_tree, int((node.w >> kGuideLinkShift) + (upper ? 2u : 0u) + (second ? 1u : 0u)));
   }
-  float share = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, alpha);
-  return Guide((node.w >> kGuideLinkShift) * kGuideMapTexels, share * uintBitsToFloat(node.x), share);
+  float fraction = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, alpha);
+  return Guide((node.w >> kGuideLinkShift) * kGuideMapTexels, fraction * uintBitsToFloat(node.x), fraction);
 }
 
 // ---- together with the BSDF -------------------------------------------------------------------------------------
@@ -55,7 +55,7 @@ void note_scattering(uint path, uint bounce, Guide guide, vec3 position, vec3 di
   uint at = guide_record(path, bounce);
   guide_records[at] = vec4(position, pdf);
   guide_records[at + 1u] = vec4(direction, bsdf_pdf);
-  guide_records[at + 2u] = vec4(luminance(throughput), 0.0, 0.0, guide.share);
+  guide_records[at + 2u] = vec4(luminance(throughput), 0.0, 0.0, guide.guidable_fraction);
 }
 // The path arrived at the vertex of `bounce`, with this radiance gathered so far.
 void note_arrival(uint path, uint bounce, vec3 radiance) {

@@ -80,9 +80,9 @@ uvec2 choose_part(uvec4 block, inout vec2 u) {
 
 // Chooses one of two by their weights; u is stretched to [0, 1) again.
 bool choose_second(float first, float second, inout float u) {
-  float share = first / (first + second);
-  bool is_second = !(u < share);
-  u = min(is_second ? (u - share) / (1.0 - share) : u / share, kOneMinusEpsilon);
+  float probability = first / (first + second);
+  bool is_second = !(u < probability);
+  u = min(is_second ? (u - probability) / (1.0 - probability) : u / probability, kOneMinusEpsilon);
   return is_second;
 }
 

@@ -11,7 +11,7 @@ bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out Bsd
                    out float bsdf_pdf) {
   bool delta = false;
   bsdf_pdf = 0.0;
-  if (has(kFeatureGuide) && take_share(u.y, guide.probability)) {
+  if (has(kFeatureGuide) && take_with_probability(u.y, guide.probability)) {
     wi = sample_map(guide.map, u);
     s = BsdfSample(to_local(v, wi), vec3(0.0), 0.0, 1.0, false, false);
     s.transmitted = is_below(v, wi);

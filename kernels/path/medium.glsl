@@ -23,16 +23,16 @@ float travel(uint medium, float end, Sampler path_sampler, inout vec3 throughput
     throughput *= exp(-extinction * end);
     return end;
   }
-  vec3 share = throughput * (scattering + vec3(1e-6) * extinction) / max(extinction, vec3(1e-20));
-  float sum = share.x + share.y + share.z;
-  share = sum > 0.0 ? share / sum : vec3(1.0 / 3.0);
+  vec3 probability = throughput * (scattering + vec3(1e-6) * extinction) / max(extinction, vec3(1e-20));
+  float sum = probability.x + probability.y + probability.z;
+  probability = sum > 0.0 ? probability / sum : vec3(1.0 / 3.0);
   float pick = hash_unit(path_sampler, wave.bounce, kHashMedium);
-  float chosen = pick < share.x ? extinction.x : pick < share.x + share.y ? extinction.y : extinction.z;
+  float chosen = pick < probability.x ? extinction.x : pick < probability.x + probability.y ? extinction.y : extinction.z;
   float u = hash_unit(path_sampler, wave.bounce, kHashMedium + 1u);
   float distance_ = chosen > 0.0 ? -log(max(1.0 - u, 1e-10)) / chosen : end;
   bool scatters = distance_ < end;
   vec3 passed = exp(-extinction * min(distance_, end));
-  float density = scatters ? dot(share, extinction * passed) : dot(share, passed);
+  float density = scatters ? dot(probability, extinction * passed) : dot(probability, passed);
   throughput *= (scatters ? scattering * passed : passed) / max(density, 1e-30);
   return min(distance_, end);
 }

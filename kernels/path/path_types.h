@@ -129,7 +129,7 @@ GPU_CONSTANT uint kReuseReceiverNormal = 3u; // shading normal, alpha
 GPU_CONSTANT uint kReuseSender = 4u;         // where rays to y end; its coupling
 GPU_CONSTANT uint kReuseSenderPlane = 5u;    // geometric normal, ior
 GPU_CONSTANT uint kReuseOwn = 6u;            // light that the path had gathered before y; alpha of y
-GPU_CONSTANT uint kReuseShares = 7u;         // what the light of y counts for each pixel of the quad
+GPU_CONSTANT uint kReuseWeights = 7u;        // what the light of y counts for each pixel of the quad
 GPU_CONSTANT uint kReuseList = 8u;           // of as many slots as have a sender, the first word: which they are
 // Where there are interfaces:
 GPU_CONSTANT uint kReuseOther = 9u; // throughput of the lobes of x that share nothing
@@ -153,11 +153,11 @@ struct GuideRecord {
   vec3 position;
   float pdf; // of the direction, by all techniques; negative: a delta lobe; 0: the path ended here, nothing else is set
   vec3 direction;
-  float bsdf_pdf;   // by the BSDF alone
-  float throughput; // luminance, the scattering included
-  float before;     // luminance that the path had gathered when it arrived at its next vertex
-  float after;      // luminance that the whole path gathered
-  float share;      // of the BSDF that can be guided
+  float bsdf_pdf;          // by the BSDF alone
+  float throughput;        // luminance, the scattering included
+  float before;            // luminance that the path had gathered when it arrived at its next vertex
+  float after;             // luminance that the whole path gathered
+  float guidable_fraction; // of the BSDF that can be guided
 };
 GPU_CHECK(sizeof(GuideRecord) == 48);
 GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b

@@ -102,8 +102,8 @@ bool is_clear(Link link, Sender y) {
 }
 
 // What the light of the sender of a slot counts for each pixel of the quad. Returns how many rays that took.
-uint weigh(uint slot, out vec4 shares) {
-  shares = vec4(0.0);
+uint weigh(uint slot, out vec4 weights) {
+  weights = vec4(0.0);
   uvec4 head = texelFetch(reuse_texels, int(reuse_place(slot, kReuseHead)));
   uint at = head.z % kQuadPixels, count = head.z / kQuadPixels, traced = 0u;
   Sender y = fetch_sender(slot, head);
@@ -124,14 +124,14 @@ uint weigh(uint slot, out vec4 shares) {
       ++traced;
       if (!is_clear(link, y)) continue;
     }
-    shares[i] = link.density * link.receiver_passes * link.sender_passes;
+    weights[i] = link.density * link.receiver_passes * link.sender_passes;
     density += probability * link.density;
   }
-  if (shares[at] > 0.0 && density > 0.0 && sender_passes > 0.0) {
-    shares /= density * sender_passes;
+  if (weights[at] > 0.0 && density > 0.0 && sender_passes > 0.0) {
+    weights /= density * sender_passes;
   } else { // what it found is its own
-    shares = vec4(0.0);
-    shares[at] = receiver_passes / uintBitsToFloat(head.x);
+    weights = vec4(0.0);
+    weights[at] = receiver_passes / uintBitsToFloat(head.x);
   }
   return traced;
 }
@@ -140,9 +140,9 @@ void main() {
   uint index = queue_place(), traced = 0u;
   if (index < queues.sender_count) {
     uint slot = texelFetch(reuse_texels, int(reuse_place(index, kReuseList))).x;
-    vec4 shares;
-    traced = weigh(slot, shares);
-    reuse_words[reuse_place(slot, kReuseShares)] = floatBitsToUint(shares);
+    vec4 weights;
+    traced = weigh(slot, weights);
+    reuse_words[reuse_place(slot, kReuseWeights)] = floatBitsToUint(weights);
   }
   count_rays(traced);
 }

@@ -22,7 +22,7 @@ vec3 gathered_radiance(uint slot) {
     vec3 radiance = fetch_path(first + j).radiance;
     if (!is_finite(radiance)) return radiance; // all of the quad count on that path
     if (texelFetch(reuse_texels, int(reuse_place(first + j, kReuseHead))).y != 0u)
-      shared_ += fetch_reuse(first + j, kReuseShares)[at] * radiance;
+      shared_ += fetch_reuse(first + j, kReuseWeights)[at] * radiance;
   }
   return sum + fetch_reuse(slot, kReuseReceiverColor).xyz * shared_;
 }

@@ -10,7 +10,7 @@
 #include "kernels/surface/vertex.glsl"
 
 // Whether its diffuse lobe is that of reuse.glsl, by a normal that is the same for all directions.
-bool may_share(Vertex v, Lobes l) {
+bool may_reuse(Vertex v, Lobes l) {
   if (v.normal != v.bumped || !has_plain_base(v.bsdf) || max_component(l.diffuse) <= 0.0) return false;
   if (!kMicrofacets) return true;
   return v.bsdf.transmission == 0.0 && l.through == 0.0 && max_component(l.multiple) <= 0.0;
@@ -35,7 +35,7 @@ void store_with(uint slot, uint texel, vec3 v, float w) {
 
 // The first vertex, before the path scatters there. True if it receives.
 bool begin_receiver(Vertex v, Lobes l, uint slot) {
-  if (!may_share(v, l) || (has(kFeatureVolume) && current_body(slot) != kNone)) return false;
+  if (!may_reuse(v, l) || (has(kFeatureVolume) && current_body(slot) != kNone)) return false;
   vec3 plane = facing_plane(v);
   vec3 from = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, plane);
   store_with(slot, kReuseReceiver, from, kMicrofacets ? pack_coupling(l.surface) : 0.0);
@@ -65,7 +65,7 @@ uint triangle_id(Hit hit) { return floatBitsToUint(texelFetch(triangles, int(hit
 // ray hit it, on the triangle. Takes from the lobes those that the path does not go on with. True if the vertex sends.
 bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, inout PathState path) {
   float drawn = fetch_reuse(slot, kReuseHead).x;
-  if (drawn == 0.0 || !may_share(v, l)) return false;
+  if (drawn == 0.0 || !may_reuse(v, l)) return false;
   float before = max_component(path.throughput);
   bool sends = true;
   float probability = 1.0;

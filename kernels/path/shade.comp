@@ -311,7 +311,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     Sampler path_sampler = fetch_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     bool connects = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
-    bool looks_for_sky = SHARES_SKY && bsdf_has_smooth(v.bsdf);
+    bool looks_for_sky = SAMPLES_SKY && bsdf_has_smooth(v.bsdf);
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_place(slot)));
     Receiver receiver;

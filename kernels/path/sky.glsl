@@ -8,9 +8,9 @@
 
 #include "kernels/base/config.glsl"
 
-#define SHARES_SKY (kSky == kSkyByShadowRays) // a macro, as has() is
+#define SAMPLES_SKY (kSky == kSkyByShadowRays) // a macro, as has() is
 
 // Each light sample has a queue of its own; those of the directions to the sky that are not the path's own lie behind.
-uint shadow_queue_count() { return SHARES_SKY ? kLightSamples - 1u + frame.sky_samples : kLightSamples; }
+uint shadow_queue_count() { return SAMPLES_SKY ? kLightSamples - 1u + frame.sky_samples : kLightSamples; }
 
 #endif

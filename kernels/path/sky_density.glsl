@@ -6,7 +6,7 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/sky.glsl"
 
-#define USES_LEARNED_SKY (SHARES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
+#define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
 
 // Directions in which a vertex looks for the sky, besides the path's own.
 uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, USES_LEARNED_SKY, bounce) - 1u; }
@@ -18,8 +18,8 @@ float learned_sky_pdf(uint bounce, float part_ratio) {
 }
 
 // What is left of the sky to the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was learned.
-float sky_share(float bsdf_pdf) {
-  return SHARES_SKY && !USES_LEARNED_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(frame.sky_samples) : 1.0;
+float sky_weight(float bsdf_pdf) {
+  return SAMPLES_SKY && !USES_LEARNED_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(frame.sky_samples) : 1.0;
 }
 
 #endif

@@ -78,7 +78,7 @@ uint own_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.e
 uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? kTableTexels : 0u); }
 
 // Its lobes for wo.
-void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout Shares shares) {
+void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout LobeWeights weights) {
   if (!has_lobe(kLobeMultiple) || l.delta_reflection || b.ggx_table == kNone) return;
   if (is_stretched(b)) return; // no table has stretched facets: any round one returns too much
   vec4 average = table_average(own_table(b), sqrt(b.alpha));
@@ -95,8 +95,8 @@ void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout Shares shares) {
   vec3 returned = b.metallic * metal_returns(b.base_color, missing) + glass * (1.0 - passes);
   l.multiple = returned * (lacking / (kPi * missing));
   l.multiple_through = b.base_color * (glass * passes * lacking / (kPi * missing_there));
-  shares.reflected += luminance(l.multiple) * (kPi * missing);
-  shares.through += luminance(l.multiple_through) * (kPi * missing_there);
+  weights.reflected += luminance(l.multiple) * (kPi * missing);
+  weights.through += luminance(l.multiple_through) * (kPi * missing_there);
 }
 
 // Light that the microfacets reflect after more than one bounce.
@@ -107,12 +107,12 @@ vec3 eval_multiple(Bsdf b, Lobes l, vec3 wi) {
 
 // ---- the lobes ------------------------------------------------------------------------------------------------------
 
-void set_probabilities(Shares shares, inout Lobes l) {
-  float wide = shares.reflected + shares.through, all_ = shares.coat + shares.facets + wide;
-  l.coat_probability = all_ > 0.0 ? shares.coat / all_ : 0.0;
-  l.facet_probability = all_ > 0.0 ? (wide > 0.0 ? shares.facets / all_ : 1.0 - l.coat_probability) : 0.0;
+void set_probabilities(LobeWeights weights, inout Lobes l) {
+  float wide = weights.reflected + weights.through, all_ = weights.coat + weights.facets + wide;
+  l.coat_probability = all_ > 0.0 ? weights.coat / all_ : 0.0;
+  l.facet_probability = all_ > 0.0 ? (wide > 0.0 ? weights.facets / all_ : 1.0 - l.coat_probability) : 0.0;
   l.diffuse_probability = wide > 0.0 ? max(1.0 - l.coat_probability - l.facet_probability, 0.0) : 0.0;
-  l.through = wide > 0.0 ? shares.through / wide : 0.0;
+  l.through = wide > 0.0 ? weights.through / wide : 0.0;
 }
 
 Lobes lobes_of(Bsdf b, vec3 wo) {
@@ -136,10 +136,10 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
   l.diffuse = b.base_color * l.base_coupling;
   float facets = luminance(facet_reflectance(b, l.surface, wo.z)) + luminance(facet_transmittance(b, l.surface, wo.z));
   float diffuse = luminance(b.base_color) * base * below;
-  Shares shares = Shares(0.0, facets, diffuse, 0.0);
-  add_multiple(b, wo, l, shares);
-  add_layers(b, wo, diffuse, l, shares);
-  set_probabilities(shares, l);
+  LobeWeights weights = LobeWeights(0.0, facets, diffuse, 0.0);
+  add_multiple(b, wo, l, weights);
+  add_layers(b, wo, diffuse, l, weights);
+  set_probabilities(weights, l);
   return l;
 }
 
@@ -245,10 +245,10 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
 
 // Whether u falls into a share of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that
 // points of a net that make the same choice still form a net.
-bool take_share(inout float u, float share) {
-  if (share <= 0.0) return false;
-  bool taken = u < share;
-  u = min(taken ? u / share : (u - share) / (1.0 - share), kOneMinusEpsilon);
+bool take_with_probability(inout float u, float probability) {
+  if (probability <= 0.0) return false;
+  bool taken = u < probability;
+  u = min(taken ? u / probability : (u - probability) / (1.0 - probability), kOneMinusEpsilon);
   return taken;
 }
 
@@ -288,12 +288,12 @@ bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out B
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false, false);
   delta = false;
   if (l.diffuse_probability + l.facet_probability + l.coat_probability == 0.0) return false;
-  if (take_share(u.y, l.coat_probability)) {
+  if (take_with_probability(u.y, l.coat_probability)) {
     if (!draw_from_coat(b, l, wo, u, s, delta)) return false;
     if (delta) s.pdf = -1.0;
     return true;
   }
-  if (!kMicrofacets || !take_share(u.y, l.facet_probability / (1.0 - l.coat_probability))) {
+  if (!kMicrofacets || !take_with_probability(u.y, l.facet_probability / (1.0 - l.coat_probability))) {
     s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
     s.wide = true;
     if (kThrough && u_side < l.through) {

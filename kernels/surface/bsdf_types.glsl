@@ -73,7 +73,7 @@ struct Lobes {
 };
 
 // Luminance of the shares of light that lobes scatter, from which the chances to draw them follow.
-struct Shares {
+struct LobeWeights {
   float coat, facets, reflected, through; // the last two of wide lobes, to either side
 };
 

@@ -70,27 +70,27 @@ float film_passes(Bsdf b, Interface surface, float mu, float passes) {
 void clear_layers(inout Lobes l) { l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0; }
 
 // What the layers pass, and the shares that they scatter themselves. `diffuse`: share of the diffuse base.
-void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout Shares shares) {
+void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout LobeWeights weights) {
   if (!kLayers) return;
   if (has_lobe(kLobeDiffuseTransmission)) {
     float lost = diffuse * b.diffuse_transmission;
-    shares.reflected -= lost;
-    shares.through += lost * luminance(b.diffuse_through) / max(luminance(b.base_color), 1e-6);
+    weights.reflected -= lost;
+    weights.through += lost * luminance(b.diffuse_through) / max(luminance(b.base_color), 1e-6);
   }
   bool outside = is_outside(b, 1.0);
   if (has_sheen(b) && outside) {
     l.sheen_passed = sheen_passes(b.sheen, wo);
-    shares.facets *= l.sheen_passed;
-    shares.through *= l.sheen_passed;
-    shares.reflected = shares.reflected * l.sheen_passed +
+    weights.facets *= l.sheen_passed;
+    weights.through *= l.sheen_passed;
+    weights.reflected = weights.reflected * l.sheen_passed +
                        luminance(b.sheen.color) * (1.0 - l.sheen_passed) / max_component(b.sheen.color);
   }
   if (is_coated(b)) {
     l.coat_passed_mean = coat_passes_mean(b.coat);
     if (outside) {
       l.coat_passed = coat_passes(b.coat, wo);
-      shares.facets *= l.coat_passed, shares.reflected *= l.coat_passed, shares.through *= l.coat_passed;
-      shares.coat = 1.0 - l.coat_passed;
+      weights.facets *= l.coat_passed, weights.reflected *= l.coat_passed, weights.through *= l.coat_passed;
+      weights.coat = 1.0 - l.coat_passed;
     }
   }
 }

@@ -24,7 +24,7 @@ vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) { return
 float film_passes(Bsdf b, Interface surface, float mu, float passes) { return passes; }
 
 void clear_layers(inout Lobes l) {}
-void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout Shares shares) {}
+void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout LobeWeights weights) {}
 float layers_pass(Bsdf b, Lobes l, vec3 wi) { return 1.0; }
 float layers_pass_diffuse(Bsdf b, Lobes l, vec3 wi) { return 1.0; }
 vec3 eval_diffuse_through(Bsdf b, Lobes l, float mu) { return vec3(0.0); }

@@ -60,7 +60,7 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
 
 // Between two values. Equal ones come out exactly, which mix() leaves open, and bytes never beyond the two: what a
 // cut-off is compared with.
-vec4 between(vec4 first, vec4 second, float share) { return first + share * (second - first); }
+vec4 between(vec4 first, vec4 second, float fraction) { return first + fraction * (second - first); }
 
 // Bilinear, or the nearest texel.
 vec4 filter_image(Texture image, vec2 uv, bool color) {
@@ -152,11 +152,11 @@ Texture image_at_level(Texture image, uint level) {
 vec4 filter_levels(Texture image, vec2 uv, bool color) {
   float level = mip_level(image);
   uint finer = uint(level);
-  float share = level - float(finer);
+  float fraction = level - float(finer);
   vec4 value = vec4(0.0);
-  for (uint i = 0u; i < (share > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
+  for (uint i = 0u; i < (fraction > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
     vec4 part = look_up(image_at_level(image, finer + i), uv, color);
-    value = i == 0u ? part : between(value, part, share);
+    value = i == 0u ? part : between(value, part, fraction);
   }
   return value;
 }

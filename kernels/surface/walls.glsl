@@ -12,12 +12,12 @@ const uint kMostWalls = 16u; // which a ray passes: each is a bounce, of which p
 uint wall_count;
 float wall_places[kMostWalls]; // along the ray
 uint wall_bodies[kMostWalls];  // 2 * material, + 1 where the ray enters
-vec3 wall_shares[kMostWalls];  // of the light that it lets through, if no other body hides it
+vec3 wall_fractions[kMostWalls];  // of the light that it lets through, if no other body hides it
 
-bool keep_wall(uint material, bool enters, float place, vec3 share) {
+bool keep_wall(uint material, bool enters, float place, vec3 fraction) {
   if (wall_count == kMostWalls) return false;
   wall_places[wall_count] = place;
-  wall_shares[wall_count] = share;
+  wall_fractions[wall_count] = fraction;
   wall_bodies[wall_count++] = 2u * material + (enters ? 1u : 0u);
   return true;
 }
@@ -25,17 +25,17 @@ bool keep_wall(uint material, bool enters, float place, vec3 share) {
 void sort_walls() {
   for (uint i = 1u; i < wall_count; ++i) {
     float place = wall_places[i];
-    vec3 share = wall_shares[i];
+    vec3 fraction = wall_fractions[i];
     uint body = wall_bodies[i], k = i;
     for (; k > 0u && (wall_places[k - 1u] > place || (wall_places[k - 1u] == place && wall_bodies[k - 1u] > body));
          --k) {
       wall_places[k] = wall_places[k - 1u];
       wall_bodies[k] = wall_bodies[k - 1u];
-      wall_shares[k] = wall_shares[k - 1u];
+      wall_fractions[k] = wall_fractions[k - 1u];
     }
     wall_places[k] = place;
     wall_bodies[k] = body;
-    wall_shares[k] = share;
+    wall_fractions[k] = fraction;
   }
 }
 
@@ -48,7 +48,7 @@ vec3 optical_depth(uint body, float distance_) {
 // there.
 vec3 bodies_passed(uvec4 bodies, float metre, float end) {
   sort_walls();
-  vec3 depth = vec3(0.0), share = vec3(1.0);
+  vec3 depth = vec3(0.0), fraction = vec3(1.0);
   float from = 0.0;
   for (uint i = 0u; i < wall_count; ++i) {
     float place = wall_places[i] * metre;
@@ -57,17 +57,17 @@ vec3 bodies_passed(uvec4 bodies, float metre, float end) {
     depth += optical_depth(bodies.x, place - from);
     from = place;
     if (!is_nested()) {
-      share *= wall_shares[i];
+      fraction *= wall_fractions[i];
       bodies = enters ? one_body(body) : uvec4(kNoBody);
       continue;
     }
     uvec4 others = enters ? bodies : without_body(bodies, body);
     bool is_hidden = others.x != kNoBody && body_priority(others.x) >= body_priority(body);
-    if (!is_hidden) share *= others.x != kNoBody && fetch_material(others.x).ior != 1.0 ? vec3(0.0) : wall_shares[i];
+    if (!is_hidden) fraction *= others.x != kNoBody && fetch_material(others.x).ior != 1.0 ? vec3(0.0) : wall_fractions[i];
     bodies = enters ? with_body(bodies, body) : others;
   }
   depth += optical_depth(bodies.x, end - from);
-  return share * exp(-depth);
+  return fraction * exp(-depth);
 }
 
 #endif

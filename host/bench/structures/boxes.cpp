@@ -85,9 +85,9 @@ std::optional<bvh::Box> clip(const bvh::Triangle& triangle, const bvh::Box& box)
       const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
       if (inside(a)) next.push_back(a);
       if (inside(a) == inside(b)) continue;
-      const double share = (plane - a.at[axis]) / (b.at[axis] - a.at[axis]);
+      const double fraction = (plane - a.at[axis]) / (b.at[axis] - a.at[axis]);
       Point& cut = next.emplace_back();
-      for (int k = 0; k < 3; ++k) cut.at[k] = k == axis ? plane : a.at[k] + share * (b.at[k] - a.at[k]);
+      for (int k = 0; k < 3; ++k) cut.at[k] = k == axis ? plane : a.at[k] + fraction * (b.at[k] - a.at[k]);
     }
     std::swap(polygon, next);
   }

@@ -134,8 +134,8 @@ float ray_length(double radius) {
 // Of a pixel, at a distance of one metre where there is a perspective. Cones are narrower than pixels, as trilinear
 // look-ups blur more than a box: Sponza's relMSE is within 1 % of that of full width, and ornaments keep their lines.
 float cone_width(const View& view, const RenderPlan& settings) {
-  constexpr double kShare = 0.7;
-  return static_cast<float>(kShare * 2.0 * glm::length(view.right) / settings.width);
+  constexpr double kFraction = 0.7;
+  return static_cast<float>(kFraction * 2.0 * glm::length(view.right) / settings.width);
 }
 
 } // namespace

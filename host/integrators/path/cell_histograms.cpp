@@ -21,7 +21,8 @@ std::vector<std::uint32_t> in_every_cell(std::span<const std::uint32_t> cell) {
   return words;
 }
 
-CellHistograms::CellHistograms(Shares prior, std::size_t bins, double prior_picks, std::span<const std::uint32_t> sums)
+CellHistograms::CellHistograms(Probabilities prior, std::size_t bins, double prior_picks,
+                               std::span<const std::uint32_t> sums)
     : prior_(std::move(prior)), bins_(bins), prior_picks_(prior_picks), sums_(sums) {
   for (std::uint32_t cell = 0; cell < gpu::kLightCells; ++cell) {
     const std::uint32_t wider = cells_around(cell);
@@ -42,15 +43,15 @@ void CellHistograms::add(std::uint32_t cell, Sums& to) const {
   to.picks += words[4 * bins_];
 }
 
-CellHistograms::Shares CellHistograms::trained(std::uint32_t cell) {
+CellHistograms::Probabilities CellHistograms::trained(std::uint32_t cell) {
   const std::uint32_t wider = cells_around(cell);
-  const Shares& widest = probabilities_of(widest_.at(widest_of(wider)), prior_);
+  const Probabilities& widest = probabilities_of(widest_.at(widest_of(wider)), prior_);
   Sums own;
   add(cell, own);
   return mix(own, probabilities_of(wider_.at(wider), widest));
 }
 
-const CellHistograms::Shares& CellHistograms::probabilities_of(Sums& wider, const Shares& around) const {
+const CellHistograms::Probabilities& CellHistograms::probabilities_of(Sums& wider, const Probabilities& around) const {
   if (wider.trained.empty()) wider.trained = mix(wider, around);
   return wider.trained;
 }
@@ -58,17 +59,18 @@ const CellHistograms::Shares& CellHistograms::probabilities_of(Sums& wider, cons
 // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
 // is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v)
 // m, the geometric mean of both sums.
-CellHistograms::Shares CellHistograms::mix(const Sums& sums, const Shares& around) const {
-  Shares shares(prior_.size(), 0.0);
+CellHistograms::Probabilities CellHistograms::mix(const Sums& sums, const Probabilities& around) const {
+  Probabilities probabilities(prior_.size(), 0.0);
   double total = 0.0;
   for (std::size_t c = 0; c < bins_; ++c) {
-    shares[c] = std::sqrt(static_cast<double>(sums.brought[c]) * static_cast<double>(sums.arrived[c]));
-    total += shares[c];
+    probabilities[c] = std::sqrt(static_cast<double>(sums.brought[c]) * static_cast<double>(sums.arrived[c]));
+    total += probabilities[c];
   }
   if (!(total > 0.0)) return around;
   const double kept = prior_picks_ / (prior_picks_ + static_cast<double>(sums.picks));
-  for (std::size_t c = 0; c < shares.size(); ++c) shares[c] = kept * around[c] + (1.0 - kept) * shares[c] / total;
-  return shares;
+  for (std::size_t c = 0; c < probabilities.size(); ++c)
+    probabilities[c] = kept * around[c] + (1.0 - kept) * probabilities[c] / total;
+  return probabilities;
 }
 
 } // namespace wavepath

@@ -18,33 +18,33 @@ std::vector<std::uint32_t> in_every_cell(std::span<const std::uint32_t> cell);
 // by chance, all sums teach the wider cells of one. They outlive the lessons.
 class CellHistograms {
 public:
-  using Shares = std::vector<double>;
+  using Probabilities = std::vector<double>;
 
   // `prior`: shares without a lesson, which sum to 1; those beyond `columns` cannot be learned. `prior_picks`: as how
   // many picks of a cell's own what is known around it counts.
-  CellHistograms(Shares prior, std::size_t bins, double prior_picks, std::span<const std::uint32_t> sums);
+  CellHistograms(Probabilities prior, std::size_t bins, double prior_picks, std::span<const std::uint32_t> sums);
 
   // Rows that the pilot came to, rising.
   std::span<const std::uint32_t> cells() const { return cells_; }
   // What such a row has learned, its few picks filled up by those of the cells around it.
-  Shares trained(std::uint32_t cell);
+  Probabilities trained(std::uint32_t cell);
 
 private:
   // Of a cell, or of all cells within a wider one.
   struct Sums {
     std::vector<std::uint64_t> brought, arrived; // by column
     std::uint64_t picks = 0;
-    Shares trained; // empty: not yet asked for
+    Probabilities trained; // empty: not yet asked for
   };
   using WiderCells = std::unordered_map<std::uint32_t, Sums>;
 
   const std::uint32_t* words_of(std::uint32_t cell) const { return &sums_[4 * (bins_ + 1) * cell]; }
   std::uint32_t cells_around(std::uint32_t cell) const { return words_of(cell)[4 * bins_ + 1]; } // 0: no pick
   void add(std::uint32_t cell, Sums& to) const;
-  Shares mix(const Sums& sums, const Shares& around) const;
-  const Shares& probabilities_of(Sums& wider, const Shares& around) const;
+  Probabilities mix(const Sums& sums, const Probabilities& around) const;
+  const Probabilities& probabilities_of(Sums& wider, const Probabilities& around) const;
 
-  Shares prior_;
+  Probabilities prior_;
   std::size_t bins_;
   double prior_picks_;
   std::span<const std::uint32_t> sums_;

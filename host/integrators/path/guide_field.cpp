@@ -154,7 +154,7 @@ struct Judgement {
     if (!(vertex.contribution > 0.0f)) return;
     const double contribution = vertex.contribution;
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) {
-      const double pdf = vertex.bsdf_pdf + kProbabilities[i] * vertex.share * (guided - vertex.bsdf_pdf);
+      const double pdf = vertex.bsdf_pdf + kProbabilities[i] * vertex.guidable_fraction * (guided - vertex.bsdf_pdf);
       if (!(pdf > 0.0)) continue;
       moment[i] += contribution * contribution * vertex.pdf / pdf;
       entropy[i] -= contribution * std::log(pdf / vertex.pdf);
@@ -238,13 +238,13 @@ GuideField build_field(std::span<const GuideVertex> vertices) {
   for (const Judgement& leaf : trainer.judgements)
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) all.entropy[i] += leaf.entropy[i];
   // What a leaf says of itself, and a little of what all say.
-  const double share = kCommon / static_cast<double>(tree.leaves.size());
+  const double fraction = kCommon / static_cast<double>(tree.leaves.size());
   std::vector<float> probabilities;
   GuideField field;
   double before = 0.0, after = 0.0;
   for (std::size_t leaf = 0; leaf < tree.leaves.size(); ++leaf) {
     Judgement judged = trainer.judgements[leaf];
-    for (std::size_t i = 0; i < kProbabilities.size(); ++i) judged.entropy[i] += share * all.entropy[i];
+    for (std::size_t i = 0; i < kProbabilities.size(); ++i) judged.entropy[i] += fraction * all.entropy[i];
     const auto best = static_cast<std::size_t>(std::ranges::min_element(judged.entropy) - judged.entropy.begin());
     const Node& node = tree.nodes[tree.leaves[leaf]];
     probabilities.push_back(static_cast<float>(kProbabilities[best]));

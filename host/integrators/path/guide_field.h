@@ -24,11 +24,11 @@ struct GuideVertex {
   glm::vec3 position{0.0f};
   float pdf = 0.0f; // of the direction
   glm::vec3 direction{0.0f};
-  float bsdf_pdf = 0.0f;     // by the BSDF alone
-  float share = 0.0f;        // of the BSDF that can be guided
-  float radiance = 0.0f;     // luminance that came from there
-  float contribution = 0.0f; // luminance that the pixel's sample gained thereby
-  bool odd = false;          // which half of the paths it belongs to
+  float bsdf_pdf = 0.0f;          // by the BSDF alone
+  float guidable_fraction = 0.0f; // of the BSDF that can be guided
+  float radiance = 0.0f;          // luminance that came from there
+  float contribution = 0.0f;      // luminance that the pixel's sample gained thereby
+  bool odd = false;               // which half of the paths it belongs to
 };
 
 struct GuideField {

@@ -58,7 +58,7 @@ double weight_of(std::uint32_t byte) {
 }
 
 // The block of 16 cells in a row, and how often each of them is drawn.
-glm::uvec4 block_of(const float* cells, std::array<double, 16>& shares) {
+glm::uvec4 block_of(const float* cells, std::array<double, 16>& fractions) {
   const float most = *std::max_element(cells, cells + 16);
   glm::uvec4 block(0u);
   double sum = 0.0;
@@ -67,9 +67,9 @@ glm::uvec4 block_of(const float* cells, std::array<double, 16>& shares) {
       const std::uint32_t cell = morton(x, y);
       const std::uint32_t byte = weight_byte(most > 0.0f ? cells[cell] / most : 1.0f);
       block[static_cast<int>(x)] |= byte << (8 * y);
-      sum += shares[cell] = weight_of(byte);
+      sum += fractions[cell] = weight_of(byte);
     }
-  for (double& share : shares) share /= sum;
+  for (double& fraction : fractions) fraction /= sum;
   return block;
 }
 
@@ -105,9 +105,9 @@ GuideMap train_map(const Histogram& histogram, const GuideMap& larger_part) {
   GuideMap map(kMapCells);
   // The four cells from `first` on, finer ones of a cell with these sums and densities.
   const auto divide = [&](std::size_t first, float sum, float square, float own, float usual) {
-    const float samples = square > 0.0f ? sum * sum / square : 0.0f, share = own / (samples + kPrior);
-    const float of_sums = sum > 0.0f ? 4.0f * share * samples / sum : 0.0f;
-    const float of_prior = share * kPrior;
+    const float samples = square > 0.0f ? sum * sum / square : 0.0f, fraction = own / (samples + kPrior);
+    const float of_sums = sum > 0.0f ? 4.0f * fraction * samples / sum : 0.0f;
+    const float of_prior = fraction * kPrior;
     for (std::size_t cell = first; cell < first + 4; ++cell)
       map[cell] = of_sums * sums[cell] + of_prior * (usual > kDark ? larger_part[cell] / usual : 1.0f);
   };

@@ -30,8 +30,8 @@ float add_vertices(const gpu::GuideRecord* notes, float scale, bool odd, std::ve
     if (first < 0.0f) first = gained;
     const float radiance = gained / note.throughput;
     if (!std::isfinite(radiance) || !std::isfinite(radiance / note.pdf)) continue;
-    vertices.push_back(
-        {note.position, note.pdf, note.direction, note.bsdf_pdf, note.share, radiance, scale * gained, odd});
+    vertices.push_back({note.position, note.pdf, note.direction, note.bsdf_pdf, note.guidable_fraction, radiance,
+                        scale * gained, odd});
   }
   return std::max(first, 0.0f);
 }
@@ -58,7 +58,7 @@ std::uint32_t GuideTraining::iteration_end(std::uint32_t iteration) const {
 
 // Share of a sample's variance that guided directions can change: the rest is made by light samples at first hits and
 // by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
-double GuideTraining::guidable_share() const {
+double GuideTraining::guidable_fraction() const {
   double whole = 0.0, guidable = 0.0;
   for (std::size_t first = 0; first < samples_.size(); first += 2 * pixels())
     for (std::size_t pixel = first; pixel < first + pixels(); ++pixel) {
@@ -124,8 +124,8 @@ bool GuideTraining::take(const Buffer& records) {
   if (++sample_ < iteration_end(iteration_)) return false;
 
   field_ = build_field(training_vertices());
-  const double share = guidable_share();
-  promise_ = 1.0 - share * (1.0 - field_.gain);
+  const double fraction = guidable_fraction();
+  promise_ = 1.0 - fraction * (1.0 - field_.gain);
   samples_.clear();
   ++iteration_;
   const bool hopeless = iteration_ >= kLeastIterations && promise_ > kHopeless;

@@ -37,7 +37,7 @@ public:
 private:
   std::uint32_t pixels() const { return width_ * height_; }
   std::uint32_t iteration_end(std::uint32_t iteration) const;
-  double guidable_share() const;
+  double guidable_fraction() const;
   std::span<const GuideVertex> training_vertices() const;
   void forget_vertices();
 

@@ -11,40 +11,41 @@
 namespace wavepath {
 namespace {
 
-using Shares = CellHistograms::Shares;
+using Probabilities = CellHistograms::Probabilities;
 
 // The share that is never learned; and as how many picks of a cell's own what is known around it counts. On a house
 // with 10,000 lamps the relMSE at 64 samples is .0272; .0326 and .0306 with shares of .2 and .05, .0341 with 16 picks;
 // .0493 where cells learn nothing from those around them.
 constexpr double kLeastPrior = 0.1, kPriorPicks = 128.0;
 
-Shares shares_by_power(const PackedScene& scene) {
-  Shares shares(gpu::kLightClusters, 0.0);
+Probabilities probabilities_by_power(const PackedScene& scene) {
+  Probabilities probabilities(gpu::kLightClusters, 0.0);
   double local = 0.0, directional = 0.0;
   const std::size_t distant = scene.lights.size() - (scene.environment_probability > 0.0f ? 1 : 0);
   for (std::size_t i = 0; i < distant; ++i)
     (i < scene.local_light_count ? local : directional) += scene.lights[i].probability;
-  shares[gpu::kTreeCluster] = local;
-  shares[gpu::kDirectionalCluster] = directional;
-  shares[gpu::kEnvironmentCluster] = scene.environment_probability;
-  return shares;
+  probabilities[gpu::kTreeCluster] = local;
+  probabilities[gpu::kDirectionalCluster] = directional;
+  probabilities[gpu::kEnvironmentCluster] = scene.environment_probability;
+  return probabilities;
 }
 
 } // namespace
 
 std::vector<std::uint32_t> prior_light_cells(const PackedScene& scene) {
-  return in_every_cell(build_intervals(shares_by_power(scene)));
+  return in_every_cell(build_intervals(probabilities_by_power(scene)));
 }
 
 TrainedLights train_light_cells(const PackedScene& scene, std::span<const std::uint32_t> sums) {
-  const Shares prior = shares_by_power(scene);
+  const Probabilities prior = probabilities_by_power(scene);
   TrainedLights trained{.ends = prior_light_cells(scene)};
   CellHistograms all(prior, gpu::kTreeCluster, kPriorPicks, sums);
   for (const std::uint32_t cell : all.cells()) {
-    Shares shares = all.trained(cell);
+    Probabilities probabilities = all.trained(cell);
     for (std::size_t c = 0; c < gpu::kLightClusters; ++c)
-      shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
-    std::ranges::copy(build_intervals(shares), trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kLightClusters);
+      probabilities[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * probabilities[c];
+    std::ranges::copy(build_intervals(probabilities),
+                      trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kLightClusters);
   }
   trained.cells = static_cast<std::uint32_t>(all.cells().size());
   return trained;

@@ -27,7 +27,7 @@ Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
   Pilot pilot{.samples = samples, .seed = kTrainingSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
-  pilot.shares_paths = false; // it learns by what a light is worth to the whole path
+  pilot.reuses_paths = false; // it learns by what a light is worth to the whole path
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height
                        ? even_segments(film.bands())
                        : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};
@@ -52,7 +52,7 @@ void LightTrainer::change(const RenderPlan& settings) {
 
 // Those of the sky lie behind those of lights.
 void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
-  Buffer& buffer = paths_.buffers[kLightShares];
+  Buffer& buffer = paths_.buffers[kLightProbabilities];
   if (of_lights_) buffer.write(lights.data(), lights.size_bytes());
   if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightCellBytes : 0);
 }
@@ -60,8 +60,8 @@ void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const st
 // What takes the host some milliseconds is done here, while kernels compile.
 void LightTrainer::start() {
   if (!trains_) {
-    const auto words = [](const auto& shares) {
-      return shares ? std::span(*shares) : std::span<const std::uint32_t>();
+    const auto words = [](const auto& probabilities) {
+      return probabilities ? std::span(*probabilities) : std::span<const std::uint32_t>();
     };
     use(words(taken_over_.lights), words(taken_over_.sky));
     return;
@@ -93,10 +93,10 @@ void LightTrainer::finish() {
   if (of_sky_) sky = train_sky_cells(sums.last(of_sky / sizeof(std::uint32_t)));
   use(lights.ends, sky.ends);
   report_.cells = lights.cells, report_.sky_cells = sky.cells;
-  const auto share = [](bool is_trained, std::vector<std::uint32_t>& ends) {
+  const auto probability = [](bool is_trained, std::vector<std::uint32_t>& ends) {
     return is_trained ? std::make_shared<const std::vector<std::uint32_t>>(std::move(ends)) : nullptr;
   };
-  report_.shares = {share(of_lights_, lights.ends), share(of_sky_, sky.ends)};
+  report_.probabilities = {probability(of_lights_, lights.ends), probability(of_sky_, sky.ends)};
   report_.seconds = seconds_since(start_);
 }
 

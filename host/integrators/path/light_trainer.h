@@ -40,7 +40,7 @@ private:
   bool trains_ = false;
   std::uint64_t training_paths_ = 0;        // Training::paths
   bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
-  LightShares taken_over_;
+  LightProbabilities taken_over_;
   KernelNeed need_;
   LightTraining report_;
   Clock::time_point start_{};

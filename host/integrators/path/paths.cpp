@@ -53,7 +53,7 @@ bool keeps_receivers(const Extent& e) {
 }
 
 // Words of lights, and behind them those of parts of the sky.
-std::uint64_t learned_shares(const Extent& e, std::uint64_t of_lights, std::uint64_t of_sky) {
+std::uint64_t learned_bytes(const Extent& e, std::uint64_t of_lights, std::uint64_t of_sky) {
   return (e.features & gpu::kFeatureLightCells ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
 }
 
@@ -71,11 +71,11 @@ const std::vector<BufferRule> kRules = {
      },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
-     [](const Extent& e) { return learned_shares(e, kLightCellBytes, kSkyCellBytes); },
+     [](const Extent& e) { return learned_bytes(e, kLightCellBytes, kSkyCellBytes); },
      {{gpu::kBindLightCells, texels_r32ui}}},
     {"sums of the light pilot",
      [](const Extent& e) {
-       return e.options & kCapacityForLightSums ? learned_shares(e, kLightSumBytes, kSkySumBytes) : 0;
+       return e.options & kCapacityForLightSums ? learned_bytes(e, kLightSumBytes, kSkySumBytes) : 0;
      },
      {{gpu::kBindLightSums, storage}}},
     {"path media",

@@ -45,7 +45,7 @@ extern const KernelProgram kGuideTrainingProgram; // the same stages; a set of o
 enum PathBuffer : std::size_t {
   kStates,
   kReceivers,
-  kLightShares,
+  kLightProbabilities,
   kLightSums,
   kMedia,
   kPathAovs,

@@ -9,22 +9,22 @@
 namespace wavepath {
 namespace {
 
-using Shares = CellHistograms::Shares;
+using Probabilities = CellHistograms::Probabilities;
 
 // The share that is never learned, and as how many picks of a cell's own what is known around it counts. Sponza under a
 // sunset, direct light alone: relMSE .38 of that without learning by .1 and 128, .32 by .1 and 512; DamagedHelmet,
 // whose surfaces turn within a cell, without its worst 0.5 % of pixels .84, .81 and .78 by .1, .25 and .4 (with 512).
 constexpr double kLeastSkyPrior = 0.25, kSkyPriorPicks = 512.0;
 
-Shares equal_shares() { return Shares(gpu::kSkyParts, 1.0 / gpu::kSkyParts); }
+Probabilities equal_probabilities() { return Probabilities(gpu::kSkyParts, 1.0 / gpu::kSkyParts); }
 
 // The words of a row: kernels/base/learned_sky_types.h.
-std::vector<std::uint32_t> ends_of(const Shares& shares) {
+std::vector<std::uint32_t> ends_of(const Probabilities& probabilities) {
   std::vector<double> bands(gpu::kSkySide, 0.0);
-  for (std::size_t part = 0; part < gpu::kSkyParts; ++part) bands[part / gpu::kSkySide] += shares[part];
+  for (std::size_t part = 0; part < gpu::kSkyParts; ++part) bands[part / gpu::kSkySide] += probabilities[part];
   std::vector<std::uint32_t> ends = build_intervals(bands);
   for (std::size_t band = 0; band < gpu::kSkySide; ++band) {
-    const auto columns = build_intervals(std::span(shares).subspan(band * gpu::kSkySide, gpu::kSkySide));
+    const auto columns = build_intervals(std::span(probabilities).subspan(band * gpu::kSkySide, gpu::kSkySide));
     ends.insert(ends.end(), columns.begin(), columns.end());
   }
   return ends;
@@ -32,15 +32,16 @@ std::vector<std::uint32_t> ends_of(const Shares& shares) {
 
 } // namespace
 
-std::vector<std::uint32_t> prior_sky_cells() { return in_every_cell(ends_of(equal_shares())); }
+std::vector<std::uint32_t> prior_sky_cells() { return in_every_cell(ends_of(equal_probabilities())); }
 
 TrainedSky train_sky_cells(std::span<const std::uint32_t> sums) {
   TrainedSky trained{.ends = prior_sky_cells()};
-  CellHistograms all(equal_shares(), gpu::kSkyParts, kSkyPriorPicks, sums);
+  CellHistograms all(equal_probabilities(), gpu::kSkyParts, kSkyPriorPicks, sums);
   for (const std::uint32_t cell : all.cells()) {
-    Shares shares = all.trained(cell);
-    for (double& share : shares) share = kLeastSkyPrior / gpu::kSkyParts + (1.0 - kLeastSkyPrior) * share;
-    std::ranges::copy(ends_of(shares), trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kSkyCellWords);
+    Probabilities probabilities = all.trained(cell);
+    for (double& probability : probabilities)
+      probability = kLeastSkyPrior / gpu::kSkyParts + (1.0 - kLeastSkyPrior) * probability;
+    std::ranges::copy(ends_of(probabilities), trained.ends.begin() + std::ptrdiff_t{cell} * gpu::kSkyCellWords);
   }
   trained.cells = static_cast<std::uint32_t>(all.cells().size());
   return trained;

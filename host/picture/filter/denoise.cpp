@@ -97,10 +97,10 @@ void dim_outliers(Layers& layers) {
     const float own = sum_of(light[i]), deviation = known ? std::sqrt(std::max(variance, most)) : own;
     const float excess = own - kRare * around;
     const float chance = excess > 0.0f ? std::clamp(2.0f * kChance * deviation / excess - 1.0f, 0.0f, 1.0f) : 0.0f;
-    const float share = excess > 0.0f ? 1.0f - chance * excess / own : 1.0f;
-    layers.light[i] = share * light[i];
+    const float fraction = excess > 0.0f ? 1.0f - chance * excess / own : 1.0f;
+    layers.light[i] = fraction * light[i];
     // Where nothing measured the variance, it is that of the neighbours.
-    variance = share * share * (known ? variance : std::max(0.0f, squares / count - around * around));
+    variance = fraction * fraction * (known ? variance : std::max(0.0f, squares / count - around * around));
   });
 }
 
@@ -135,7 +135,7 @@ float likeness(const SurfaceGuide& a, const SurfaceGuide& b, glm::vec2 offset) {
 }
 
 // Every pixel hands all of its light out, in proportion to likeness and `shares`: the sum stays, to within rounding.
-void spread(const Layers& layers, const std::vector<vec3>& shares, std::vector<vec3>& light, int step) {
+void spread(const Layers& layers, const std::vector<vec3>& fractions, std::vector<vec3>& light, int step) {
   const auto each_tap = [&](std::size_t pixel, auto body) {
     each_around(layers.picture, pixel, 1, step, [&](std::size_t other, int x, int y) {
       const float binomial = 1.0f / static_cast<float>(1 << (std::abs(x) + std::abs(y)));
@@ -147,13 +147,13 @@ void spread(const Layers& layers, const std::vector<vec3>& shares, std::vector<v
   std::vector<vec3> portions(light.size());
   each_pixel(layers.picture, [&](std::size_t i) {
     vec3 taken(0.0f);
-    each_tap(i, [&](std::size_t other, float weight) { taken += weight * shares[other]; });
+    each_tap(i, [&](std::size_t other, float weight) { taken += weight * fractions[other]; });
     portions[i] = light[i] / taken; // the pixel itself takes, too
   });
   each_pixel(layers.picture, [&](std::size_t i) {
     vec3 given(0.0f);
     each_tap(i, [&](std::size_t other, float weight) { given += weight * portions[other]; });
-    light[i] = shares[i] * given;
+    light[i] = fractions[i] * given;
   });
 }
 
@@ -169,12 +169,12 @@ std::vector<vec3> denoise(const NoisyPicture& picture) {
   // What was taken from pixels, or added to them, goes back to where it was, far spread: of so many pixels the noise is
   // next to nothing, and the light as a whole stays. The bright ones get most of it, so that the dark surroundings of a
   // highlight stay dark.
-  std::vector<vec3> change(picture.pixels()), shares(picture.pixels());
+  std::vector<vec3> change(picture.pixels()), fractions(picture.pixels());
   each_pixel(picture, [&](std::size_t i) {
     change[i] = layers.reflected(i) - filtered[i] * layers.albedo[i];
-    shares[i] = layers.albedo[i] * std::clamp(sum_of(filtered[i]), 1e-6f, 1e12f);
+    fractions[i] = layers.albedo[i] * std::clamp(sum_of(filtered[i]), 1e-6f, 1e12f);
   });
-  for (int i = 0; i < kSpreadIterations; ++i) spread(layers, shares, change, 1 << i);
+  for (int i = 0; i < kSpreadIterations; ++i) spread(layers, fractions, change, 1 << i);
 
   std::vector<vec3> out(picture.pixels());
   each_pixel(picture, [&](std::size_t i) {

@@ -85,26 +85,26 @@ std::vector<double> squared_distances(const std::vector<bool>& set, std::size_t 
 }
 
 // Share of the light that arrives, by pixel; below 0 where none could.
-using Shares = std::vector<double>;
+using Fractions = std::vector<double>;
 
-Shares light_shares(const ShadowedPicture& picture) {
+Fractions lit_fractions(const ShadowedPicture& picture) {
   const std::vector<double> light = direct_light(picture.shadowed), whole = direct_light(picture.unshadowed);
   if (whole.empty() || light.size() != whole.size()) return {};
   const double dark = kDark * typical_light(whole);
-  Shares shares(whole.size(), -1.0);
+  Fractions fractions(whole.size(), -1.0);
   for (std::size_t i = 0; i < whole.size(); ++i)
-    if (whole[i] > dark) shares[i] = light[i] / whole[i];
-  return shares;
+    if (whole[i] > dark) fractions[i] = light[i] / whole[i];
+  return fractions;
 }
 
 // Pixels that are half lit or more, next to one that is less.
-std::vector<bool> edges(const Shares& shares, std::size_t width) {
-  std::vector<bool> found(shares.size());
+std::vector<bool> edges(const Fractions& fractions, std::size_t width) {
+  std::vector<bool> found(fractions.size());
   const auto differs = [&](std::size_t a, std::size_t b) {
-    return shares[a] >= kHalf && shares[b] >= 0.0 && shares[b] < kHalf;
+    return fractions[a] >= kHalf && fractions[b] >= 0.0 && fractions[b] < kHalf;
   };
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    const bool right = i % width + 1 < width, below = i + width < shares.size();
+  for (std::size_t i = 0; i < fractions.size(); ++i) {
+    const bool right = i % width + 1 < width, below = i + width < fractions.size();
     if (right && differs(i, i + 1)) found[i] = true;
     if (right && differs(i + 1, i)) found[i + 1] = true;
     if (below && differs(i, i + width)) found[i] = true;
@@ -113,14 +113,15 @@ std::vector<bool> edges(const Shares& shares, std::size_t width) {
   return found;
 }
 
-double partly_lit(const Shares& shares) {
-  return static_cast<double>(std::ranges::count_if(shares, [](double s) { return s > kPartly && s < 1.0 - kPartly; }));
+double partly_lit(const Fractions& fractions) {
+  return static_cast<double>(
+      std::ranges::count_if(fractions, [](double s) { return s > kPartly && s < 1.0 - kPartly; }));
 }
 
 } // namespace
 
 std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth) {
-  const Shares ours = light_shares(picture), theirs = light_shares(truth);
+  const Fractions ours = lit_fractions(picture), theirs = lit_fractions(truth);
   if (ours.empty() || ours.size() != theirs.size()) return std::nullopt;
   const std::vector<double> light = direct_light(truth.unshadowed);
   const double typical = typical_light(light);
@@ -154,7 +155,7 @@ std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const S
 
 Picture false_shadow_map(const ShadowedPicture& picture, const ShadowedPicture& truth) {
   constexpr double kGrey = 0.6; // of what is fully lit
-  const Shares ours = light_shares(picture), theirs = light_shares(truth);
+  const Fractions ours = lit_fractions(picture), theirs = lit_fractions(truth);
   Picture map{truth.shadowed.width, truth.shadowed.height, {}};
   if (ours.empty() || ours.size() != theirs.size()) return map;
   for (const char* name : {"R", "G", "B"}) map.channels.push_back({name, std::vector<float>(ours.size())});

@@ -10,7 +10,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kMostPilotSamples = 32; // of a pixel of it
-constexpr std::uint32_t kPilotShare = 32;       // of the render's paths: one in so many
+constexpr std::uint32_t kPilotFraction = 32;    // of the render's paths: one in so many
 // A pilot misses what is rare: no run counts as quieter than this share of the average.
 constexpr double kQuietest = 0.03;
 // Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
@@ -165,7 +165,7 @@ FilmShape noise_pilot_shape(const FilmTarget& film) {
 
 std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels) {
   const std::uint32_t part = noise_pilot_part(pixels);
-  const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotShare;
+  const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotFraction;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestPilotSamples, kMostPilotSamples)) /
          gpu::kReplicates * gpu::kReplicates;
 }
@@ -180,7 +180,7 @@ double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels)
 }
 
 // The device waits for this, so the three parts run at once.
-SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height, int lowest) {
+SampleDistribution distribute_samples(const Film& pilot, std::uint32_t width, std::uint32_t height, int lowest) {
   const NoiseMap map(pilot);
   const std::vector<std::uint32_t> shown = shown_by(map, width, height);
   const auto levels_by = [&](Squares squares) {
@@ -191,10 +191,10 @@ SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t
   };
   auto white = std::async(std::launch::async, [&] { return cost_by(levels_by(Squares::white), Squares::black); });
   auto black = std::async(std::launch::async, [&] { return cost_by(levels_by(Squares::black), Squares::white); });
-  SampleShares shares{.levels = levels_by(Squares::all)};
-  const double flattered = cost_by(shares.levels, Squares::all), wronged = 0.5 * (white.get() + black.get());
-  shares.cost = 0.5 * (flattered + wronged);
-  return shares;
+  SampleDistribution distribution{.levels = levels_by(Squares::all)};
+  const double flattered = cost_by(distribution.levels, Squares::all), wronged = 0.5 * (white.get() + black.get());
+  distribution.cost = 0.5 * (flattered + wronged);
+  return distribution;
 }
 
 } // namespace wavepath

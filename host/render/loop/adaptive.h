@@ -24,7 +24,7 @@ FilmShape noise_pilot_shape(const FilmTarget& film);
 // Samples of a pixel of it, for a render of `planned`: one of 32 paths of the render, but 4 to 32.
 std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels);
 
-struct SampleShares {
+struct SampleDistribution {
   std::vector<std::int8_t> levels; // of all runs of kRunPixels pixels in tile order
   // Squared error times time that is expected, over that without levels: the mean of what all pixels of the pilot say
   // of levels that they chose, which flatters, and what half of them say of those that the other half chose, which
@@ -35,7 +35,8 @@ struct SampleShares {
 // Shares out samples in a picture of that size such that pixels get as many as without levels, or a tenth
 // fewer if that serves better; where few runs hold the noise, powers of two may leave a quarter. No run has a level
 // below `lowest`.
-SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height, int lowest = kLowestLevel);
+SampleDistribution distribute_samples(const Film& pilot, std::uint32_t width, std::uint32_t height,
+                                      int lowest = kLowestLevel);
 
 // Samples that a pixel gets on average, for each that it would get without levels.
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels);

@@ -34,7 +34,7 @@ struct Pilot {
   std::uint32_t first_sample = 0;
   std::uint32_t width = 0, height = 0; // of a picture of its own, not larger than the render's; 0 = the render's
   bool splits_replicates = false;      // samples between two replicates of every pixel, even if the render has probes
-  bool shares_paths = true;            // where pixels of the render do
+  bool reuses_paths = true;            // where pixels of the render do
 };
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),

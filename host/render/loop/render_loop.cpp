@@ -162,7 +162,7 @@ void RenderLoop::begin() {
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
   if (hooks_.resume && !stopped_ && is_look_due()) checkpoint(); // the interrupt came before it
-  if (is_adaptive(settings_) && spp() == 0 && !in_pass()) share_out();
+  if (is_adaptive(settings_) && spp() == 0 && !in_pass()) adapt_levels();
   pass_began_busy_ = queue_.totals.busy_seconds; // of no pass
 }
 
@@ -195,7 +195,7 @@ void RenderLoop::explore(const Pilot& pilot) {
   workspace_.frame.seed ^= pilot.seed;
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
   if (pilot.splits_replicates) workspace_.frame.probes = gpu::kProbesNone;
-  if (!pilot.shares_paths) workspace_.frame.reuses_paths = 0;
+  if (!pilot.reuses_paths) workspace_.frame.reuses_paths = 0;
   if (workspace_.frame.reuses_paths && pilot.width > 0) // pixels that share are as close as in the picture
     workspace_.frame.quad_scale *= static_cast<float>(pilot.width) / static_cast<float>(frame.width);
   workspace_.send_frame();
@@ -219,7 +219,7 @@ void RenderLoop::explore(const Pilot& pilot) {
 }
 
 // Finds out where there is noise. Interrupted, it leaves that to a render that is resumed.
-void RenderLoop::share_out() {
+void RenderLoop::adapt_levels() {
   const FilmShape shape = noise_pilot_shape(workspace_.film);
   const bool open_ended = settings_.time_limit > 0.0 || settings_.target_error > 0.0; // it may be short
   const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned(), pixels());
@@ -232,10 +232,11 @@ void RenderLoop::share_out() {
   if (!stopped_) {
     const Film noise = workspace_.film.download_small(shape);
     const int lowest = has_error_probes(settings_) ? kLowestLevel : kLowestLevelOfSplitReplicates;
-    const SampleShares shares = share_samples(noise, workspace_.frame.width, workspace_.frame.height, lowest);
-    const bool pays = settings_.adaptive == kAdaptiveOn || shares.cost < kWorthwhile;
-    result_.noise = NoisePilot{samples, shape.width, shape.height, shares.cost, pays};
-    if (pays) use_levels(shares.levels);
+    const SampleDistribution distribution =
+        distribute_samples(noise, workspace_.frame.width, workspace_.frame.height, lowest);
+    const bool pays = settings_.adaptive == kAdaptiveOn || distribution.cost < kWorthwhile;
+    result_.noise = NoisePilot{samples, shape.width, shape.height, distribution.cost, pays};
+    if (pays) use_levels(distribution.levels);
     target_ = make_target(settings_, pays);
   }
   workspace_.film.clear();

@@ -26,7 +26,7 @@ namespace wavepath {
 
 // Which checkpoints get an estimate of the error: all that the device need not wait for, or that decide; but for the
 // last those alone that take no more than their share of the time; none.
-enum class Estimates { all, share, none };
+enum class Estimates { all, fraction, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
 struct Pace {
@@ -106,7 +106,7 @@ private:
   void begin();
   void restore(const RenderState& state);
   void explore(const Pilot& pilot);
-  void share_out();
+  void adapt_levels();
   void use_levels(const std::vector<std::int8_t>& levels);
   std::uint32_t pass_end() const;
   std::uint32_t sample_capacity() const;

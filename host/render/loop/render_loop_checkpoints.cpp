@@ -16,7 +16,7 @@ namespace {
 
 // Estimates in progress at once: each holds a copy of the film.
 constexpr std::size_t kMostPending = 2;
-constexpr double kEstimateShare = 0.02; // of the time, where estimates may be skipped
+constexpr double kEstimateFraction = 0.02; // of the time, where estimates may be skipped
 constexpr std::chrono::seconds kShowInterval{1};
 constexpr int kShowPause = 19;          // times what showing took
 constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
@@ -38,12 +38,12 @@ bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cu
 
 // Where estimates may be skipped: coarse pictures in a window, and those that would take more than their share.
 bool RenderLoop::pays() const {
-  if (pace_.estimates != Estimates::share) return pace_.estimates == Estimates::all;
+  if (pace_.estimates != Estimates::fraction) return pace_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;
   if (cursor_.sample == settings_.last_sample) return true;
   const double cost =
       static_cast<double>(pixels()) * (estimate_pixel_seconds_ > 0.0 ? estimate_pixel_seconds_ : kFirstEstimate);
-  return pending_.empty() && result_.estimate_seconds + cost <= kEstimateShare * seconds();
+  return pending_.empty() && result_.estimate_seconds + cost <= kEstimateFraction * seconds();
 }
 
 // Whether this checkpoint has an estimate. Where others are still being made the device would have to wait for them, so

@@ -26,7 +26,7 @@ struct LightTraining {
   std::uint64_t paths = 0;
   double seconds = 0.0;
   std::uint32_t cells = 0, sky_cells = 0; // of lights, of parts of an environment map
-  LightShares shares;                     // null: no pilot
+  LightProbabilities probabilities;       // null: no pilot
 };
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };

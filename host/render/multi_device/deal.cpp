@@ -8,19 +8,19 @@ namespace wavepath {
 
 std::vector<std::uint32_t> deal(std::uint32_t count, std::span<const double> speeds) {
   const double sum = std::accumulate(speeds.begin(), speeds.end(), 0.0);
-  std::vector<std::uint32_t> shares;
+  std::vector<std::uint32_t> counts;
   std::vector<double> remainders;
   for (const double speed : speeds) {
     const double exact = count * (speed / sum);
-    shares.push_back(static_cast<std::uint32_t>(exact));
+    counts.push_back(static_cast<std::uint32_t>(exact));
     remainders.push_back(exact - std::floor(exact));
   }
-  for (auto left = count - std::accumulate(shares.begin(), shares.end(), 0u); left > 0; --left) {
+  for (auto left = count - std::accumulate(counts.begin(), counts.end(), 0u); left > 0; --left) {
     const auto largest = static_cast<std::size_t>(std::ranges::max_element(remainders) - remainders.begin());
-    ++shares[largest];
+    ++counts[largest];
     remainders[largest] = -1.0;
   }
-  return shares;
+  return counts;
 }
 
 } // namespace wavepath

@@ -54,8 +54,8 @@ public:
   Worker(const RenderingDevice& on, const PackedScene& scene, const View& view, const RenderPlan& settings,
          const std::atomic<bool>& stopped)
       : on_(on), scene_(scene), view_(view), settings_(settings), stopped_(stopped) {
-    share.name = on.device->info().name;
-    share.driver = on.device->info().driver;
+    work.name = on.device->info().name;
+    work.driver = on.device->info().driver;
   }
 
   // Uploads and compiles. Returns the small picture.
@@ -72,7 +72,7 @@ public:
     loop_->restart(view_, small);
     RenderResult pilot = run();
     speed = speed_of(pilot, kPilotSamples, small);
-    share.seconds = 0.0, share.rays = 0; // of the picture alone
+    work.seconds = 0.0, work.rays = 0; // of the picture alone
     return pilot.film;
   }
 
@@ -89,13 +89,13 @@ public:
   }
 
   void lose() {
-    share.lost = true;
+    work.lost = true;
     loop_.reset();
   }
 
   const PackedScene& scene() const { return scene_; }
 
-  DeviceShare share;
+  DeviceWork work;
   double speed = 0.0; // samples of every pixel a second
   double compile_seconds = 0.0;
   std::atomic<std::uint32_t> samples_done = 0; // of the range
@@ -106,8 +106,8 @@ private:
     while (loop_->step()) {
     }
     RenderResult result = loop_->finish();
-    share.seconds += result.seconds;
-    share.rays += result.rays.total();
+    work.seconds += result.seconds;
+    work.rays += result.rays.total();
     return result;
   }
 
@@ -132,10 +132,10 @@ struct Task {
   std::future<RenderResult> result;
 };
 
-class SharedRender {
+class MultiDeviceRender {
 public:
-  SharedRender(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-               const RenderPlan& settings, const RenderHooks& hooks)
+  MultiDeviceRender(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
+                    const RenderPlan& settings, const RenderHooks& hooks)
       : settings_(settings), hooks_(hooks), origin_(scene.origin) {
     RenderPlan part = settings;
     if (part.sample_total == 0) part.sample_total = settings.last_sample;
@@ -145,7 +145,7 @@ public:
     left_.push_back({settings.first_sample, settings.last_sample});
   }
 
-  SharedResult run() {
+  MultiDeviceResult run() {
     begin();
     while (!left_.empty() && !stopped_) {
       render_round();
@@ -204,17 +204,17 @@ private:
     std::vector<Worker*> alive;
     std::vector<double> speeds;
     for (const auto& worker : workers_)
-      if (!worker->share.lost) alive.push_back(worker.get()), speeds.push_back(worker->speed);
+      if (!worker->work.lost) alive.push_back(worker.get()), speeds.push_back(worker->speed);
     std::uint32_t waiting = 0;
     for (const SampleRange& range : left_) waiting += range.end - range.first;
     const auto least = static_cast<std::uint32_t>(alive.size());
     const std::uint32_t count = std::min(waiting, std::max(next_count(), least));
-    const std::vector<std::uint32_t> shares = deal(count, speeds);
+    const std::vector<std::uint32_t> counts = deal(count, speeds);
     const Clock::time_point start = Clock::now();
     std::vector<Task> tasks;
     std::vector<std::vector<SampleRange>> more; // that a worker takes after its first
     for (std::size_t i = 0; i < alive.size(); ++i)
-      for (const SampleRange& range : take(shares[i])) tasks.push_back({alive[i], range, {}});
+      for (const SampleRange& range : take(counts[i])) tasks.push_back({alive[i], range, {}});
     // One after another on each device.
     for (Task& task : tasks)
       task.result = std::async(std::launch::deferred, [this, &task, start] {
@@ -233,7 +233,7 @@ private:
     seconds_ += seconds_since(start);
     for (Task& task : tasks) take_in(task);
     std::ranges::sort(left_, {}, &SampleRange::first);
-    const bool none = std::ranges::all_of(workers_, [](const auto& worker) { return worker->share.lost; });
+    const bool none = std::ranges::all_of(workers_, [](const auto& worker) { return worker->work.lost; });
     if (none && lost_) {
       if (!film_) std::rethrow_exception(lost_);
       result_.result.stop = StopReason::device_lost;
@@ -244,7 +244,7 @@ private:
   void take_in(Task& task) {
     try {
       const RenderResult part = task.result.get();
-      task.worker->share.ranges.push_back({task.range.first, task.range.first + part.spp});
+      task.worker->work.ranges.push_back({task.range.first, task.range.first + part.spp});
       add(result_.result, part);
       if (result_.result.memory.total() == 0) describe(part);
       if (film_)
@@ -308,7 +308,7 @@ private:
     return reached;
   }
 
-  SharedResult finish() {
+  MultiDeviceResult finish() {
     RenderResult& all = result_.result;
     if (!film_) throw Error("--devices", "the render was stopped before its first sample", "let it run");
     all.film = film_;
@@ -316,8 +316,8 @@ private:
     all.spp = done_;
     all.seconds = seconds_;
     for (const auto& worker : workers_) {
-      std::ranges::sort(worker->share.ranges, {}, &SampleRange::first);
-      result_.shares.push_back(worker->share);
+      std::ranges::sort(worker->work.ranges, {}, &SampleRange::first);
+      result_.device_work.push_back(worker->work);
     }
     all.even &= has_no_holes();
     return std::move(result_);
@@ -326,8 +326,8 @@ private:
   // Samples that were left, by a stop or a lost device, may lie between others.
   bool has_no_holes() const {
     std::vector<SampleRange> ranges;
-    for (const DeviceShare& share : result_.shares)
-      ranges.insert(ranges.end(), share.ranges.begin(), share.ranges.end());
+    for (const DeviceWork& work : result_.device_work)
+      ranges.insert(ranges.end(), work.ranges.begin(), work.ranges.end());
     std::ranges::sort(ranges, {}, &SampleRange::first);
     std::uint32_t next = settings_.first_sample;
     for (const SampleRange& range : ranges) {
@@ -348,20 +348,20 @@ private:
   std::uint32_t done_ = 0; // samples of every pixel
   double seconds_ = 0.0;
   std::exception_ptr lost_;
-  SharedResult result_;
+  MultiDeviceResult result_;
 };
 
 } // namespace
 
-std::uint32_t DeviceShare::samples() const {
+std::uint32_t DeviceWork::samples() const {
   std::uint32_t sum = 0;
   for (const SampleRange& range : ranges) sum += range.end - range.first;
   return sum;
 }
 
-SharedResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-                               const RenderPlan& settings, const RenderHooks& hooks) {
-  return SharedRender(devices, scene, view, settings, hooks).run();
+MultiDeviceResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene,
+                                    const View& view, const RenderPlan& settings, const RenderHooks& hooks) {
+  return MultiDeviceRender(devices, scene, view, settings, hooks).run();
 }
 
 } // namespace wavepath

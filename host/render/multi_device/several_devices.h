@@ -27,7 +27,7 @@ struct RenderingDevice {
 };
 
 // What one device did.
-struct DeviceShare {
+struct DeviceWork {
   std::string name, driver;
   std::vector<SampleRange> ranges; // of the samples that it has rendered, in ascending order
   double seconds = 0.0;            // rendering
@@ -37,9 +37,9 @@ struct DeviceShare {
   std::uint32_t samples() const; // of every pixel
 };
 
-struct SharedResult {
+struct MultiDeviceResult {
   RenderResult result;
-  std::vector<DeviceShare> shares; // in the order of the devices
+  std::vector<DeviceWork> device_work; // in the order of the devices
   // A small picture of the scene, rendered by all of them, has the same bits: then so has the whole, whatever the
   // shares. Else it depends on them by rounding.
   bool bits_agree = true;
@@ -49,7 +49,7 @@ struct SharedResult {
 // large as all before, in shares by the speed that was measured; seconds are those of the clock. Targets are looked at
 // between rounds. `hooks`: progress and checkpoint. The settings are neither adaptive nor those of resumed
 // renders. Throws Error as render() does, and DeviceLost once no device is left.
-SharedResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene, const View& view,
-                               const RenderPlan& settings, const RenderHooks& hooks);
+MultiDeviceResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene,
+                                    const View& view, const RenderPlan& settings, const RenderHooks& hooks);
 
 } // namespace wavepath

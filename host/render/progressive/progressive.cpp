@@ -30,7 +30,7 @@ RenderPlan open_ended(RenderPlan settings) {
 Pace pace_of(const RenderPlan& settings) {
   return {.longest_dispatch = kLongestWave,
           .by_wave = true,
-          .estimates = Estimates::share,
+          .estimates = Estimates::fraction,
           .clock_is_busy_time = true,
           .least_slots = settings.wave_slots ? 0 : kMostFrameRays,
           .most_slots = settings.wave_slots ? ~0u : kMostSlots};

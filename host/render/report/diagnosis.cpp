@@ -17,7 +17,7 @@ namespace {
 // The part of the squared error that one sample may explain alone. With error probes, a sample of a probed pixel counts
 // for its block, which the interval allows for: up to 0.1 on the Cornell box (320x240, 64 samples), from 0.2 on with
 // fireflies.
-constexpr double kLargestShare = 0.05, kLargestShareWithProbes = 0.15;
+constexpr double kLargestFraction = 0.05, kLargestFractionWithProbes = 0.15;
 constexpr std::uint32_t kFewestSamples = 8; // a pixel, below which much has not been seen yet
 constexpr double kFlat = -0.3;              // slope against spp; Monte Carlo's is -0.5
 constexpr double kUnexplained = 1.5;        // true error over the upper end of the estimate
@@ -30,7 +30,7 @@ bool fell_as_it_should(const std::vector<Checkpoint>& checkpoints) {
 
 bool has_fireflies(const RenderResult& result) {
   const bool whole = result.film && result.film->has_probes;
-  return result.error.largest_sample_share > (whole ? kLargestShareWithProbes : kLargestShare);
+  return result.error.largest_sample_fraction > (whole ? kLargestFractionWithProbes : kLargestFraction);
 }
 
 } // namespace
@@ -70,7 +70,7 @@ std::vector<std::string> diagnose(const RenderPlan& settings, const PackedScene&
     words.push_back(
         fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate depends on "
                     "few samples; {}",
-                    percent(std::min(error.largest_sample_share, 1.0)), firefly_remedy(settings, scene)));
+                    percent(std::min(error.largest_sample_fraction, 1.0)), firefly_remedy(settings, scene)));
   if (result.nonfinite.first)
     words.push_back(
         fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));

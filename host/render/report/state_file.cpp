@@ -32,7 +32,7 @@ Json state_json(const Checkpoint& c) {
           c.error.relative_rms,
           c.error.ci95[0],
           c.error.ci95[1],
-          c.error.largest_sample_share,
+          c.error.largest_sample_fraction,
           c.rays.occlusion};
 }
 

@@ -93,7 +93,7 @@ Json error_json(const Run& run) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
     json["next_halving"] = next_halving_json(result);
-    json["largest_sample_share"] = result.error.largest_sample_share;
+    json["largest_sample_share"] = result.error.largest_sample_fraction;
   }
   return json;
 }
@@ -219,19 +219,19 @@ Json light_selection_json(const Run& run) {
 }
 
 // What each of several devices did.
-Json devices_json(const SharedResult& shared) {
+Json devices_json(const MultiDeviceResult& shared) {
   Json devices = Json::array();
-  for (const DeviceShare& share : shared.shares) {
+  for (const DeviceWork& work : shared.device_work) {
     Json ranges = Json::array();
-    for (const SampleRange& range : share.ranges) ranges.push_back({range.first, range.end});
-    const double rate = share.seconds > 0.0 ? 1e-6 * static_cast<double>(share.rays) / share.seconds : 0.0;
-    devices.push_back({{"name", share.name},
-                       {"driver", share.driver},
-                       {"samples", share.samples()},
+    for (const SampleRange& range : work.ranges) ranges.push_back({range.first, range.end});
+    const double rate = work.seconds > 0.0 ? 1e-6 * static_cast<double>(work.rays) / work.seconds : 0.0;
+    devices.push_back({{"name", work.name},
+                       {"driver", work.driver},
+                       {"samples", work.samples()},
                        {"ranges", ranges},
-                       {"seconds", share.seconds},
+                       {"seconds", work.seconds},
                        {"mrays_per_second", rate},
-                       {"lost", share.lost}});
+                       {"lost", work.lost}});
   }
   return {{"bits_agree", shared.bits_agree}, {"shares", devices}};
 }

@@ -31,9 +31,9 @@ struct Run {
   std::optional<TrueError> denoised_error{}; // of the filtered picture
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
-  std::vector<Decision> plan{};         // with what came of it
-  std::string repeat{};                 // a command that renders the same bits; empty = there is none
-  const SharedResult* shared = nullptr; // of --devices
+  std::vector<Decision> plan{};              // with what came of it
+  std::string repeat{};                      // a command that renders the same bits; empty = there is none
+  const MultiDeviceResult* shared = nullptr; // of --devices
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

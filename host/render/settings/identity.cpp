@@ -64,10 +64,10 @@ std::optional<std::string> first_difference(const std::string& identity, const s
     return fmt::format("{} is {}, not {}", record.key, record.value, other->value);
   }
   // Where pixels share nothing no record says so.
-  const auto shares = [](const std::vector<Record>& records) {
+  const auto has_reuse = [](const std::vector<Record>& records) {
     return std::ranges::find(records, "reuse", &Record::key) != records.end();
   };
-  if (shares(ours) != shares(theirs)) return shares(ours) ? "reuse is on, not off" : "reuse is off, not on";
+  if (has_reuse(ours) != has_reuse(theirs)) return has_reuse(ours) ? "reuse is on, not off" : "reuse is off, not on";
   if (identity != expected) return "other settings are recorded in it";
   return std::nullopt;
 }

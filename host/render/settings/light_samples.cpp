@@ -12,7 +12,7 @@ std::uint32_t light_samples_of(const RenderPlan& settings, gpu::Feature scene) {
   return scene & (gpu::kLobesLayered | gpu::kFeatureLightTree) ? kFewLightSamplesOfMaps : kLightSamplesOfMaps;
 }
 
-bool may_share_sky(const RenderPlan& settings, gpu::Feature scene) {
+bool may_sample_sky(const RenderPlan& settings, gpu::Feature scene) {
   return supports(*settings.integrator, "sky-samples") && settings.direct == gpu::kDirectMis &&
          settings.max_depth > 0 && (scene & gpu::kFeatureEnvironment) &&
          !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes | gpu::kLobeScattering));
@@ -21,7 +21,7 @@ bool may_share_sky(const RenderPlan& settings, gpu::Feature scene) {
 bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayered | gpu::kFeatureLightTree)); }
 
 std::uint32_t sky_samples_of(const RenderPlan& settings, gpu::Feature scene) {
-  if (!may_share_sky(settings, scene)) return 1;
+  if (!may_sample_sky(settings, scene)) return 1;
   return std::clamp(settings.sky_samples, 1u, sky_samples_that_fit(settings, scene));
 }
 
@@ -35,7 +35,7 @@ std::uint32_t learned_sky_samples(const RenderPlan& settings, gpu::Feature scene
 }
 
 std::uint32_t most_sky_samples_of(const RenderPlan& settings, gpu::Feature scene) {
-  const bool chooses = settings.sky_samples == 0 && settings.kernels.sky_samples && may_share_sky(settings, scene);
+  const bool chooses = settings.sky_samples == 0 && settings.kernels.sky_samples && may_sample_sky(settings, scene);
   return chooses ? sky_samples_that_fit(settings, scene) : sky_samples_of(settings, scene);
 }
 

@@ -20,7 +20,7 @@ std::uint32_t light_samples_of(const RenderPlan& settings, gpu::Feature scene);
 // Whether shadow rays may look for the sky besides paths (kernels/path/sky.glsl): it has one colour, and paths alone
 // look for it. Not where panes let shadow rays pass, since a path does not know how much of the sky is left to it
 // behind one.
-bool may_share_sky(const RenderPlan& settings, gpu::Feature scene);
+bool may_sample_sky(const RenderPlan& settings, gpu::Feature scene);
 // Whether a pilot of --sky-samples auto costs little more than its paths: lights have no tree, of which it would have
 // to learn, and materials no layers, whose kernels take long to compile.
 bool tries_sky_cheaply(gpu::Feature scene);

@@ -20,10 +20,10 @@ enum class BearsReuse { nowhere, untrained, anywhere };
 // What training has found of which lights reach where, as light_histograms.h makes it for
 // kernels/light/light_selection.glsl, and of which parts of the sky, as sky_histograms.h does for
 // kernels/light/learned_sky.glsl; null: nothing.
-struct LightShares {
+struct LightProbabilities {
   std::shared_ptr<const std::vector<std::uint32_t>> lights, sky;
   explicit operator bool() const { return lights || sky; }
-  bool operator==(const LightShares&) const = default;
+  bool operator==(const LightProbabilities&) const = default;
 };
 
 // What the render learns before its first sample.
@@ -31,7 +31,7 @@ struct Training {
   std::uint64_t paths = 0;                           // for the choice of lights; 0 = as parts have (light_trainer.cpp)
   std::uint32_t guide_iterations = kGuideIterations; // for --guide, at most
   bool one_colour = true;                            // a sky of one colour is trained, where sky_samples > 1
-  LightShares found{};                               // by another picture of the scene, in place of training
+  LightProbabilities found{};                        // by another picture of the scene, in place of training
 };
 
 // What kernels must bear beyond what these settings use: others by the same kernels do. The picture is the same.

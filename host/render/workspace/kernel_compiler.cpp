@@ -35,11 +35,11 @@ gpu::Feature generic_features(gpu::Feature scene) {
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
   const std::uint32_t stack = (stack_size + kStackStep - 1) / kStackStep * kStackStep;
   const std::uint32_t light_samples = light_samples_of(settings, features);
-  const bool shares_sky =
+  const bool samples_sky =
       sky_samples_of(settings, features) > 1 ||
-      (settings.kernels.sky_samples && may_share_sky(settings, features) && tries_sky_cheaply(features));
+      (settings.kernels.sky_samples && may_sample_sky(settings, features) && tries_sky_cheaply(features));
   const bool reuse = reuses_paths(settings) || tries_reuse(settings, features);
-  const std::uint32_t sky = shares_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
+  const std::uint32_t sky = samples_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
@@ -51,7 +51,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.kernels.added) & ~settings.kernels.removed;
-  if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
+  if (!(features & gpu::kFeatureEnvironmentMap) && !samples_sky) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t probing =
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;

@@ -90,8 +90,8 @@ void read_volume(Reader& reader) {
     warn_of_range(reader, "attenuationColor");
   for (int i = 0; i < 3; ++i) {
     // No light at all would need an infinite coefficient: 1e-10 is as black as the output can show.
-    const auto share = static_cast<float>(std::clamp(color[static_cast<std::size_t>(i)], 0.0, 1.0));
-    reader.material.attenuation[i] = static_cast<float>(-std::log(std::max(double{share}, 1e-10)) / distance);
+    const auto fraction = static_cast<float>(std::clamp(color[static_cast<std::size_t>(i)], 0.0, 1.0));
+    reader.material.attenuation[i] = static_cast<float>(-std::log(std::max(double{fraction}, 1e-10)) / distance);
   }
 }
 

@@ -30,8 +30,8 @@ std::vector<std::uint32_t> build_intervals(std::span<const double> weights) {
   for (std::size_t i = 0; i < weights.size(); ++i) {
     sum += weights[i];
     given += weights[i] > 0.0;
-    const double share = given == positive ? shared : std::floor(std::min(sum / total, 1.0) * shared);
-    ends[i] = static_cast<std::uint32_t>(share + static_cast<double>(given));
+    const double fraction = given == positive ? shared : std::floor(std::min(sum / total, 1.0) * shared);
+    ends[i] = static_cast<std::uint32_t>(fraction + static_cast<double>(given));
   }
   return ends;
 }

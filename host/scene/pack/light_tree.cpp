@@ -308,8 +308,9 @@ std::uint32_t half_sine(double angle) {
 }
 
 // 6 bits of exponent and 10 of mantissa; too weak ones become the weakest that there are.
-std::uint32_t intensity_bits(double share) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(share, 0.0, 1.0))) + (1u << 12);
+std::uint32_t intensity_bits(double fraction) {
+  const std::uint32_t bits =
+      std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(fraction, 0.0, 1.0))) + (1u << 12);
   const std::uint32_t least = gpu::kLeastIntensityExponent << 23;
   return bits < least ? 0 : std::min((bits - least) >> 13, 0xffffu);
 }

@@ -81,7 +81,7 @@ Mean read_mean(const Image& image, MipKind kind, std::uint32_t x, std::uint32_t 
 // where the size is odd, the outer ones in part, so that the mean of the image stays what it is.
 struct Cover {
   std::uint32_t first = 0, count = 0;
-  std::array<float, 3> shares{};
+  std::array<float, 3> fractions{};
 };
 
 std::vector<Cover> covers_of(std::uint32_t large, std::uint32_t small) {
@@ -92,7 +92,7 @@ std::vector<Cover> covers_of(std::uint32_t large, std::uint32_t small) {
     cover.first = static_cast<std::uint32_t>(begin / small);
     for (std::uint64_t i = cover.first; i * small < end; ++i) {
       const std::uint64_t overlap = std::min((i + 1) * small, end) - std::max(i * small, begin);
-      cover.shares[cover.count++] = static_cast<float>(overlap) / static_cast<float>(large);
+      cover.fractions[cover.count++] = static_cast<float>(overlap) / static_cast<float>(large);
     }
   }
   return covers;
@@ -110,10 +110,10 @@ Level halve(std::uint32_t width, std::uint32_t height, const MeanAt& mean_at) {
       for (std::uint32_t j = 0; j < rows[y].count; ++j)
         for (std::uint32_t i = 0; i < columns[x].count; ++i) {
           const Mean part = mean_at(columns[x].first + i, rows[y].first + j);
-          const float share = columns[x].shares[i] * rows[y].shares[j];
-          mean.color += share * part.color;
-          mean.weight += share * part.weight;
-          mean.alpha += share * part.alpha;
+          const float fraction = columns[x].fractions[i] * rows[y].fractions[j];
+          mean.color += fraction * part.color;
+          mean.weight += fraction * part.weight;
+          mean.alpha += fraction * part.alpha;
         }
     }
   });

@@ -129,15 +129,15 @@ void add_sun(Environment& map, const glm::dvec3& illuminance) {
       }
       if (inside == 0) continue;
       const auto row = static_cast<std::size_t>(y);
-      const double share = static_cast<double>(inside) / (kPieces * kPieces);
+      const double fraction = static_cast<double>(inside) / (kPieces * kPieces);
       covered.push_back(
-          {row * kSkyWidth + static_cast<std::size_t>(x), share * texel_solid_angle(row, kSkyWidth, kSkyHeight)});
+          {row * kSkyWidth + static_cast<std::size_t>(x), fraction * texel_solid_angle(row, kSkyWidth, kSkyHeight)});
       total += covered.back().solid_angle;
     }
   for (const Covered& part : covered) {
     const std::size_t row = part.texel / kSkyWidth;
-    const double share = part.solid_angle / total / texel_solid_angle(row, kSkyWidth, kSkyHeight);
-    map.map[part.texel] += glm::vec3(illuminance * share);
+    const double fraction = part.solid_angle / total / texel_solid_angle(row, kSkyWidth, kSkyHeight);
+    map.map[part.texel] += glm::vec3(illuminance * fraction);
   }
 }
 

@@ -213,9 +213,10 @@ Framing find_framing(const Scene& scene, bool look_inside) {
 glm::dvec3 framing_eye(const Framing& framing, double half_width, double half_height) {
   const Axes axes;
   const double radius = framing.bounds.radius() > 0.0 ? framing.bounds.radius() : 1.0;
-  if (framing.across.empty()) return framing.bounds.centre() - axes.forward * (radius / (kFramedShare * half_height));
-  double depth = std::min(farthest_depth(framing.across, kFramedShare * half_width),
-                          farthest_depth(framing.upwards, kFramedShare * half_height));
+  if (framing.across.empty())
+    return framing.bounds.centre() - axes.forward * (radius / (kFramedFraction * half_height));
+  double depth = std::min(farthest_depth(framing.across, kFramedFraction * half_width),
+                          farthest_depth(framing.upwards, kFramedFraction * half_height));
   for (const glm::dvec2& p : framing.across) depth = std::min(depth, p.y - 1e-2 * radius); // never at the surface
   return framing.bounds.centre() + axes.forward * depth + axes.right * middle_seen(framing.across, depth) +
          axes.up * middle_seen(framing.upwards, depth);

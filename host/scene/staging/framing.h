@@ -27,10 +27,10 @@ Framing find_framing(const Scene& scene, bool look_inside = true);
 glm::dvec3 framing_forward();
 
 // Fraction of the picture's height or width, whichever is less, that the outline fills.
-inline constexpr double kFramedShare = 0.85;
+inline constexpr double kFramedFraction = 0.85;
 
 // The eye from which a camera that looks along framing_forward(), with these half extents of the image at unit
-// distance, has the outline in its middle and filling kFramedShare.
+// distance, has the outline in its middle and filling kFramedFraction.
 glm::dvec3 framing_eye(const Framing& framing, double half_width, double half_height);
 
 } // namespace wavepath

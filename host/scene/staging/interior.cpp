@@ -22,11 +22,11 @@ constexpr std::uint64_t kMostAsTheyAre = std::uint64_t{1} << 14; // and more are
 constexpr int kProbesAcross = 6, kProbesUp = 3, kDirections = 64;
 // Measured on 66 files: of rooms 0.60 of the probes and more are enclosed, of boxes without a front 0.44 and less, of
 // other objects 0.1 and less.
-constexpr double kEnclosed = 0.9;       // of a probe's rays that meet a surface which faces it
-constexpr double kCovered = 0.7;        // and of a place to stand: under an open roof, at a window
-constexpr double kBackFacing = 0.1;     // and at most so many that meet a back
-constexpr double kRoomShare = 0.5;      // of all probes that are enclosed
-constexpr double kRoughRoomShare = 0.1; // with thin walls merged
+constexpr double kEnclosed = 0.9;          // of a probe's rays that meet a surface which faces it
+constexpr double kCovered = 0.7;           // and of a place to stand: under an open roof, at a window
+constexpr double kBackFacing = 0.1;        // and at most so many that meet a back
+constexpr double kRoomFraction = 0.5;      // of all probes that are enclosed
+constexpr double kRoughRoomFraction = 0.1; // with thin walls merged
 
 // Opaque triangles in single precision around `origin`, and the tree over them.
 struct Geometry {
@@ -155,7 +155,7 @@ glm::dvec3 cell_middle(const Bounds& bounds, const glm::ivec3& cell, const glm::
 }
 
 // The share of the probes that are enclosed.
-double enclosed_share(const Geometry& geometry, const Bounds& bounds) {
+double enclosed_fraction(const Geometry& geometry, const Bounds& bounds) {
   const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
   int enclosed = 0;
   for (int z = 0; z < cells.z; ++z)
@@ -230,9 +230,9 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
   if (usage.triangles_seen == 0 || usage.triangles_seen > kMostTriangles || bounds.empty()) return std::nullopt;
   // Most scenes are objects, which a rough look tells at little cost.
   const bool large = usage.triangles_seen > kMostAsTheyAre;
-  if (large && enclosed_share(gather(scene, bounds, 32), bounds) < kRoughRoomShare) return std::nullopt;
+  if (large && enclosed_fraction(gather(scene, bounds, 32), bounds) < kRoughRoomFraction) return std::nullopt;
   const Geometry geometry = gather(scene, bounds, large ? 128 : 0);
-  if (enclosed_share(geometry, bounds) < kRoomShare) return std::nullopt;
+  if (enclosed_fraction(geometry, bounds) < kRoomFraction) return std::nullopt;
 
   const glm::dvec3 size = bounds.hi - bounds.lo;
   const double clearance = 0.02 * glm::length(glm::dvec2(size.x, size.z)); // from all walls

@@ -33,9 +33,9 @@ struct ViewRequest {
 // show is cropped: its vertical angle or height is kept in images as wide as its own or wider, its horizontal angle or
 // width in narrower ones; a perspective camera without an aspect ratio fits any. With `yfov` that angle is the vertical
 // one of every image. A scene without a camera is framed: an object is seen from the front and its right, and fills
-// kFramedShare of the image; in an interior the camera stands where find_standpoint() says. With --eye it looks at the
-// middle of the scene's box. A level camera stays level when only its eye or target is moved. `yfov` makes any camera
-// perspective.
+// kFramedFraction of the image; in an interior the camera stands where find_standpoint() says. With --eye it looks at
+// the middle of the scene's box. A level camera stays level when only its eye or target is moved. `yfov` makes any
+// camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
 
 // The same with what find_framing() found; reads only the cameras of `scene`.

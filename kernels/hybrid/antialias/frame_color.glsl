@@ -19,8 +19,8 @@ float luma_at(ivec2 pixel) {
 }
 
 // Colours mix as light does, so that a share is a share of the pixel's area. What is not finite stays where it is.
-vec3 blend(vec3 color, vec3 other, float share) {
-  vec3 mixed = color + (other - color) * share;
+vec3 blend(vec3 color, vec3 other, float fraction) {
+  vec3 mixed = color + (other - color) * fraction;
   return is_finite(mixed) ? mixed : color;
 }
 

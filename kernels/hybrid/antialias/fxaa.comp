@@ -22,7 +22,7 @@ int end_of_edge(ivec2 pixel, ivec2 step, ivec2 across, float middle, float thres
 }
 
 // The share of the neighbour across the edge, which `across` leads to.
-float share_of_neighbour(ivec2 pixel, float centre, float smallest, float largest, vec4 sides, out ivec2 across) {
+float fraction_of_neighbour(ivec2 pixel, float centre, float smallest, float largest, vec4 sides, out ivec2 across) {
   float n = sides.x, s = sides.y, w = sides.z, e = sides.w;
   float nw = luma_at(pixel + ivec2(-1, -1)), ne = luma_at(pixel + ivec2(1, -1));
   float sw = luma_at(pixel + ivec2(-1, 1)), se = luma_at(pixel + ivec2(1, 1));
@@ -59,8 +59,8 @@ void main() {
   float largest = max(centre, max(max(sides.x, sides.y), max(sides.z, sides.w)));
   if (largest - smallest > max(kDarkest, kContrast * largest)) {
     ivec2 across;
-    float share = share_of_neighbour(pixel, centre, smallest, largest, sides, across);
-    color = blend(color, color_at(pixel + across), share);
+    float fraction = fraction_of_neighbour(pixel, centre, smallest, largest, sides, across);
+    color = blend(color, color_at(pixel + across), fraction);
   }
   color_out[pixel_index(pixel)] = vec4(color, 0.0);
 }

@@ -26,7 +26,7 @@ float area(float height, float length_, float from) {
 }
 
 // The edge on the side `back` of `pixel`: x: share of `pixel` that what lies beyond covers, y: the other way round.
-vec2 shares(ivec2 pixel, ivec2 back) {
+vec2 fractions(ivec2 pixel, ivec2 back) {
   uint which = back.y != 0 ? kEdgeAbove : kEdgeLeft, crossing = back.y != 0 ? kEdgeLeft : kEdgeAbove;
   if (!has_edge(pixel, which)) return vec2(0.0);
   ivec2 along = abs(back.yx);
@@ -51,8 +51,8 @@ void main() {
   ivec2 pixel = lane_pixel();
   if (!in_picture(pixel)) return;
   // What the neighbours above, below, left and right bring.
-  vec4 weights = vec4(shares(pixel, ivec2(0, -1)).x, shares(pixel + ivec2(0, 1), ivec2(0, -1)).y,
-                      shares(pixel, ivec2(-1, 0)).x, shares(pixel + ivec2(1, 0), ivec2(-1, 0)).y);
+  vec4 weights = vec4(fractions(pixel, ivec2(0, -1)).x, fractions(pixel + ivec2(0, 1), ivec2(0, -1)).y,
+                      fractions(pixel, ivec2(-1, 0)).x, fractions(pixel + ivec2(1, 0), ivec2(-1, 0)).y);
   vec3 color = color_at(pixel);
   bool level = max(weights.x, weights.y) >= max(weights.z, weights.w); // the stronger axis alone, as theirs
   vec2 used = level ? weights.xy : weights.zw;

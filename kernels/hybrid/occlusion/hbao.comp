@@ -24,8 +24,8 @@ float rise(Receiver receiver, vec3 direction, float u) {
     float distance_ = length(offset);
     float sine = dot(offset, receiver.to_eye) / max(distance_, 1e-30);
     if (!(distance_ < hybrid.ao_radius) || !(sine > horizon)) continue;
-    float share = distance_ / hybrid.ao_radius;
-    sum += (1.0 - share * share) * (sine - horizon);
+    float fraction = distance_ / hybrid.ao_radius;
+    sum += (1.0 - fraction * fraction) * (sine - horizon);
     horizon = sine;
   }
   return sum;

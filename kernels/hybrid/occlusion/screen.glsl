@@ -132,8 +132,8 @@ Way way_of(Receiver receiver, vec3 direction) {
 
 // Of a step, at a random place of its stretch of the way. Stretches grow with their distance, from one pixel on.
 vec2 place_on(Way way, Receiver receiver, uint step, float u) {
-  float share = (float(step) + u) / float(way.steps);
-  return receiver.centre + way.direction * (1.0 + (way.length_ - 1.0) * share * share);
+  float fraction = (float(step) + u) / float(way.steps);
+  return receiver.centre + way.direction * (1.0 + (way.length_ - 1.0) * fraction * fraction);
 }
 
 #endif

@@ -74,7 +74,7 @@ vec2 place_weights(Hit hit, uint i) {
 }
 
 // What counts of it at the point that is seen. Weights of the triangle itself, not of its image: perspective-correct.
-float place_share(Hit hit, uint i) {
+float point_fraction(Hit hit, uint i) {
   if (shading.interpolation != kInterpolateGouraud) return 1.0;
   return i == 0u ? 1.0 - hit.b1 - hit.b2 : i == 1u ? hit.b1 : hit.b2;
 }
@@ -98,7 +98,7 @@ float attenuation(LightSample light, vec3 from) {
 }
 
 // Share of the surface that depth leaves.
-float cue_share(float depth) {
+float cue_fraction(float depth) {
   if ((shading.flags & kShadingCues) == 0u) return 1.0;
   return clamp((shading.cue.y - depth) / (shading.cue.y - shading.cue.x), 0.0, 1.0);
 }
@@ -113,13 +113,13 @@ mat2x3 lit_place(Ray ray, Hit at, Material material, bool front, vec3 seen_norma
   float cosine = dot(n, s.direction);
   if (!(s.pdf > 0.0) || !(cosine > 0.0)) return mat2x3(0.0);
   vec3 irradiance = s.radiance * (cosine * attenuation(s, surface.position) / s.pdf);
-  vec2 share = reflected(n, s.direction, wo, exponent);
-  return mat2x3(irradiance * share.x, irradiance * share.y);
+  vec2 fraction = reflected(n, s.direction, wo, exponent);
+  return mat2x3(irradiance * fraction.x, irradiance * fraction.y);
 }
 
 // Next-event estimation: true if there is a shadow ray worth tracing. The ray leaves from the point that is seen,
 // wherever light is evaluated; what faces away from the light is in its own shadow.
-bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool front, float share,
+bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool front, float fraction,
                       out ShadowRay shadow) {
   vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 normal = shading_normal(surface, material, front, -ray.direction);
@@ -138,9 +138,9 @@ bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool
   for (uint i = 0u; i < place_count(); ++i) {
     vec2 weights = place_weights(hit, i);
     Hit at = Hit(hit.triangle, hit.instance, weights.x, weights.y);
-    lit += place_share(hit, i) * lit_place(ray, at, material, front, normal, paint.exponent, index, u);
+    lit += point_fraction(hit, i) * lit_place(ray, at, material, front, normal, paint.exponent, index, u);
   }
-  shadow.contribution = (paint.diffuse * lit[0] + paint.highlight * lit[1]) * (share / ratio);
+  shadow.contribution = (paint.diffuse * lit[0] + paint.highlight * lit[1]) * (fraction / ratio);
   if (is_finite(shadow.contribution) && max_component(shadow.contribution) <= 0.0) return false;
 
   lift_surface(surface, front);
@@ -178,13 +178,13 @@ bool shade(Ray ray, Hit hit, out ShadowRay shadow) {
   open_cone(hit, offset);
   bool front = dot(surface.geometric_normal, ray.direction) <= 0.0;
   bool unlit = has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u;
-  float share = cue_share(dot(offset, frame.camera_forward));
+  float fraction = cue_fraction(dot(offset, frame.camera_forward));
   vec3 emitted =
       unlit ? base_color(material, surface.uv, surface.color).rgb : surface_emission(surface, material, front);
   // Unlit surfaces take the ambient term no more than path tracing gives them light of a second bounce.
-  see(ray.slot, share * emitted + (1.0 - share) * background, unlit ? 0.0 : share);
-  if (unlit || share == 0.0 || frame.max_depth == 0u || frame.light_count == 0u) return false;
-  return connect_to_light(ray, hit, surface, material, front, share, shadow);
+  see(ray.slot, fraction * emitted + (1.0 - fraction) * background, unlit ? 0.0 : fraction);
+  if (unlit || fraction == 0.0 || frame.max_depth == 0u || frame.light_count == 0u) return false;
+  return connect_to_light(ray, hit, surface, material, front, fraction, shadow);
 }
 
 void main() {

@@ -20,7 +20,7 @@
 layout(local_size_x = kWorkgroupSize) in;
 layout(set = 0, binding = kBindLightmapTexels) uniform usamplerBuffer lightmap_texels;
 layout(set = 0, binding = kBindLightmapPoints) uniform samplerBuffer lightmap_points;
-layout(set = 0, binding = kBindLightmapShareWords, std430) writeonly buffer ShareBlock { float share_words[]; };
+layout(set = 0, binding = kBindLightmapLitWords, std430) writeonly buffer LitBlock { float lit_words[]; };
 
 // Of the light of one point. Sides of surfaces are as for paths, which see the side that is lit.
 float passed_from(Surface surface, vec4 point, float t_max) {
@@ -61,5 +61,5 @@ void main() {
     }
     lit = max(all.x > 0.0 ? passed.x / all.x : 0.0, all.y > 0.0 ? passed.y / all.y : 0.0); // a body's inside has none
   }
-  share_words[wave.sample_count * shadow.size * shadow.size + texel] = lit;
+  lit_words[wave.sample_count * shadow.size * shadow.size + texel] = lit;
 }

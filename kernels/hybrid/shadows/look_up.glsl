@@ -1,5 +1,5 @@
 // Answers the shadow rays of a frame that go to lights with views: the path gains the share of the light that
-// lit_share() tells, and nothing is left for the ray to bring. A kernel defines lit_share() after this.
+// lit_fraction() tells, and nothing is left for the ray to bring. A kernel defines lit_fraction() after this.
 #ifndef WAVEPATH_LOOK_UP_GLSL
 #define WAVEPATH_LOOK_UP_GLSL
 
@@ -38,7 +38,7 @@ struct Receiver {
 };
 
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
-float lit_share(Receiver r);
+float lit_fraction(Receiver r);
 
 #ifdef TINTS_LIGHT
 vec3 light_tint(Receiver r); // what becomes of the light on its way, besides shadows
@@ -105,7 +105,7 @@ void main() {
 #ifdef TINTS_LIGHT
   ray.contribution *= light_tint(r);
 #endif
-  float lit = lit_share(r);
+  float lit = lit_fraction(r);
 #ifdef BIND_SHADOW_COUNTS
   count_answers(lit >= 0.0);
 #endif

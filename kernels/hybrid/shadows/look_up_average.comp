@@ -12,7 +12,7 @@ float brightness(Receiver r) {
   return max(dot(r.normal, r.to_light), 0.0) * r.depth / (distance_ * distance_ * distance_);
 }
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   float lit = 0.0, all = 0.0;
   for (uint i = 0u; i < r.views.y; ++i) {
     Receiver from = r;
@@ -20,10 +20,10 @@ float lit_share(Receiver r) {
       if (from.view.is_part != 0u) continue; // behind the lamp's own horizon, or grazing it
       return -1.0;                           // what not all of them show is traced
     }
-    float share = brightness(from);
+    float fraction = brightness(from);
     offset_receiver(from);
-    all += share;
-    if (texel_lights(from, ivec2(floor(from.place)))) lit += share;
+    all += fraction;
+    if (texel_lights(from, ivec2(floor(from.place)))) lit += fraction;
   }
   return all > 0.0 ? lit / all : -1.0;
 }

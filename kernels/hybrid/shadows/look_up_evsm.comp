@@ -9,7 +9,7 @@
 #include "kernels/hybrid/shadows/bounds.glsl"
 #include "kernels/hybrid/shadows/filtered.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   return warped_bound(filtered_at(r), foremost_depth(r), shadow.exponent);
 }

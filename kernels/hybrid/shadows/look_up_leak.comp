@@ -13,7 +13,7 @@
 
 const float kDoubt = 0.02; // a share of light, or of shadow, that counts as none
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   ivec2 corner = ivec2(floor(r.place - 0.5));
   uint lit = 0u; // of the texels around the place

@@ -14,18 +14,18 @@
 #include "kernels/hybrid/shadows/lightmap.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
-layout(set = 0, binding = kBindLightmapShares) uniform samplerBuffer lightmap_shares;
+layout(set = 0, binding = kBindLightmapLit) uniform samplerBuffer lightmap_lit;
 
-float share_at(uint source, ivec2 texel) {
+float lit_at(uint source, ivec2 texel) {
   texel = clamp(texel, ivec2(0), ivec2(shadow.size) - 1);
-  return texelFetch(lightmap_shares, int((source * shadow.size + uint(texel.y)) * shadow.size) + texel.x).x;
+  return texelFetch(lightmap_lit, int((source * shadow.size + uint(texel.y)) * shadow.size) + texel.x).x;
 }
 
-float share_between(uint source, vec2 place) {
+float lit_between(uint source, vec2 place) {
   vec2 corner = floor(place - 0.5), at = place - 0.5 - corner;
   ivec2 texel = ivec2(corner);
-  return mix(mix(share_at(source, texel), share_at(source, texel + ivec2(1, 0)), at.x),
-             mix(share_at(source, texel + ivec2(0, 1)), share_at(source, texel + ivec2(1, 1)), at.x), at.y);
+  return mix(mix(lit_at(source, texel), lit_at(source, texel + ivec2(1, 0)), at.x),
+             mix(lit_at(source, texel + ivec2(0, 1)), lit_at(source, texel + ivec2(1, 1)), at.x), at.y);
 }
 
 void main() {
@@ -38,5 +38,5 @@ void main() {
   uvec2 chart = fetch_chart(hit.triangle, hit.instance);
   if (chart.x == kNone) return; // no surface of the scene's own: traced
   answer_shadow_ray(index, ray,
-                    share_between(source, place_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
+                    lit_between(source, place_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
 }

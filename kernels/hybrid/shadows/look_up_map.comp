@@ -5,7 +5,7 @@
 #include "kernels/hybrid/shadows/look_up.glsl"
 #include "kernels/hybrid/shadows/bias.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   return texel_lights(r, ivec2(floor(r.place))) ? 1.0 : 0.0;
 }

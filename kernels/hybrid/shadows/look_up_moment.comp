@@ -9,7 +9,7 @@
 #include "kernels/hybrid/shadows/filtered.glsl"
 #include "kernels/hybrid/shadows/moments16.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   vec4 moments = filtered_at(r);
   if (shadow.bits == 16u) moments = moments_of_numbers(moments);

@@ -8,7 +8,7 @@
 #include "kernels/hybrid/shadows/bias.glsl"
 #include "kernels/hybrid/shadows/taps.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   return lit_taps(r, shadow.blur);
 }

@@ -23,7 +23,7 @@ float blocker_depth(Receiver r, float radius) {
   return count > 0u ? sum / float(count) : 0.0;
 }
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   // The light seen from the receiver, cut at the near end of the view: where a blocker may be.
   float width = texel_width(r.view, r.depth);

@@ -28,7 +28,7 @@ vec3 light_tint(Receiver r) {
   return a + at.y * (c - a);
 }
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   if (!is_receiver(r.hit.triangle, r.hit.instance)) return 1.0;
   return map_depth(r.view, ivec2(floor(r.place))) < kFar ? 0.0 : 1.0;
 }

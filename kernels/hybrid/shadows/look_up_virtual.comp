@@ -7,7 +7,7 @@
 #include "kernels/hybrid/shadows/look_up.glsl"
 #include "kernels/hybrid/shadows/bias.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   ivec2 texel = ivec2(floor(r.place));
   if (map_texel(r.view, texel) < 0) return -1.0;

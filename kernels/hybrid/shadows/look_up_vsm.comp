@@ -8,7 +8,7 @@
 #include "kernels/hybrid/shadows/bounds.glsl"
 #include "kernels/hybrid/shadows/filtered.glsl"
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   return chebyshev(filtered_at(r).xy, compared_depth(r));
 }

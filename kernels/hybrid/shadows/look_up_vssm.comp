@@ -45,7 +45,7 @@ Shade shade_of_box(Receiver r, float half_side) {
   return shade;
 }
 
-float lit_share(Receiver r) {
+float lit_fraction(Receiver r) {
   offset_receiver(r);
   float width = texel_width(r.view, r.depth), side = kHalfSide * r.view.radius / width;
   Shade search = shade_of_box(r, max(side * (r.depth - r.view.near) / r.depth, 0.5));

@@ -15,9 +15,9 @@ std::vector<double> split_depths(double nearest, double farthest, std::uint32_t 
   const double first = std::max(nearest, kNearestSplit * farthest);
   std::vector<double> depths = {nearest};
   for (std::uint32_t i = 1; i < parts; ++i) {
-    const double share = static_cast<double>(i) / parts;
+    const double fraction = static_cast<double>(i) / parts;
     depths.push_back(
-        glm::mix(glm::mix(first, farthest, share), first * std::pow(farthest / first, share), kLogarithmic));
+        glm::mix(glm::mix(first, farthest, fraction), first * std::pow(farthest / first, fraction), kLogarithmic));
   }
   depths.push_back(farthest);
   return depths;

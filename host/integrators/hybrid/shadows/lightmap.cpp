@@ -23,14 +23,14 @@ namespace {
 
 using enum BindingKind;
 
-enum LightmapBuffer : std::size_t { kLightmapFrameData, kLightmapSources, kFirst, kCharts, kTexels, kShares, kPoints };
+enum LightmapBuffer : std::size_t { kLightmapFrameData, kLightmapSources, kFirst, kCharts, kTexels, kLit, kPoints };
 const std::vector<BufferRule> kLightmapRules = {
     {"frame", nullptr, {{gpu::kBindShadowFrame, uniform}}},
     {"sources", nullptr, {{gpu::kBindShadowLights, texels_rg32ui}}},
     {"first charts", nullptr, {{gpu::kBindLightmapFirst, texels_r32ui}}},
     {"charts", nullptr, {{gpu::kBindLightmapCharts, texels_rg32ui}}},
     {"texels", nullptr, {{gpu::kBindLightmapTexels, texels_rg32ui}}},
-    {"shares", nullptr, {{gpu::kBindLightmapShares, texels_r32f}, {gpu::kBindLightmapShareWords, storage}}},
+    {"shares", nullptr, {{gpu::kBindLightmapLit, texels_r32f}, {gpu::kBindLightmapLitWords, storage}}},
     {"points",
      nullptr,
      {{gpu::kBindShadowViews, texels_rgba32f}, {gpu::kBindLightmapPoints, texels_rgba32f}}}}; // views: not read
@@ -111,7 +111,7 @@ private:
     buffers_[kFirst] = upload(device, charts.first);
     buffers_[kCharts] = upload(device, charts.charts);
     buffers_[kTexels] = upload(device, charts.texels);
-    buffers_[kShares] = Buffer(device, sources_.size() * charts.texels.size() * sizeof(float));
+    buffers_[kLit] = Buffer(device, sources_.size() * charts.texels.size() * sizeof(float));
     buffers_[kPoints] = upload(device, make_points(wanted.taps));
     made_for_ = wanted;
   }
@@ -120,10 +120,10 @@ private:
     std::uint64_t entries, largest, bytes; // largest: elements of a buffer
   };
   Footprint footprint_at(std::uint32_t size) const {
-    const std::uint64_t texels = std::uint64_t{size} * size, shares = texels * sources_.size(),
+    const std::uint64_t texels = std::uint64_t{size} * size, fractions = texels * sources_.size(),
                         entries = placed_triangles(workspace_.scene);
-    return {entries, std::max({texels, shares, entries}),
-            shares * sizeof(float) + (texels + entries) * sizeof(glm::uvec2)};
+    return {entries, std::max({texels, fractions, entries}),
+            fractions * sizeof(float) + (texels + entries) * sizeof(glm::uvec2)};
   }
   std::uint64_t most_elements() const {
     const DeviceInfo& info = workspace_.device.info();

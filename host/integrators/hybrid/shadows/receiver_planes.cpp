@@ -92,7 +92,7 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
     if (found != planes.end()) found->area += triangle.area;
   });
   std::ranges::stable_sort(planes, std::ranges::greater(), &ReceiverPlane::area);
-  std::erase_if(planes, [&](const ReceiverPlane& plane) { return plane.area < kLeastShare * whole; });
+  std::erase_if(planes, [&](const ReceiverPlane& plane) { return plane.area < kLeastFraction * whole; });
   planes.resize(std::min(planes.size(), kMostPlanes));
   return planes;
 }
@@ -100,7 +100,7 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
 std::string no_receiver_planes(const PackedScene& scene) {
   if (!receiver_planes(scene).empty()) return "";
   return fmt::format("casts shadows on large planes alone, and this scene has none with {} % of its surfaces",
-                     100.0 * kLeastShare);
+                     100.0 * kLeastFraction);
 }
 
 } // namespace wavepath

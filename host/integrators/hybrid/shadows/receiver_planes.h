@@ -21,9 +21,9 @@ struct ReceiverPlane {
 // Metres from a plane up to which a corner lies in it.
 double plane_tolerance(const PackedScene& scene);
 
-// At most kMostPlanes, the largest first, whose triangles together are at least kLeastShare of the area of all.
+// At most kMostPlanes, the largest first, whose triangles together are at least kLeastFraction of the area of all.
 inline constexpr std::size_t kMostPlanes = 16;
-inline constexpr double kLeastShare = 0.02;
+inline constexpr double kLeastFraction = 0.02;
 std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene);
 // Why a technique whose shadows fall on these alone has nothing to do; empty if it has.
 std::string no_receiver_planes(const PackedScene& scene);
