@@ -85,14 +85,14 @@ void list_parts(const BinaryNode* nodes, const Family& family, std::uint32_t dep
 
 // Lays a tree out depth first, and leaves room for the parts.
 struct Layout {
-  struct Place {
+  struct Offsets {
     std::uint32_t root, nodes, items;
   };
 
   const BinaryTree& binary;
   WideTree& tree;
   std::span<const WideTree> parts{};
-  std::vector<Place> places{}; // of the parts
+  std::vector<Offsets> offsets{}; // of the parts
 
   void place(const Family& family, std::uint32_t target, std::uint32_t depth) {
     WideNode node = node_of(binary.nodes.get(), family);
@@ -116,8 +116,8 @@ struct Layout {
   }
 
   void leave_gap(std::uint32_t root) {
-    const WideTree& part = parts[places.size()];
-    places.push_back(
+    const WideTree& part = parts[offsets.size()];
+    offsets.push_back(
         {root, static_cast<std::uint32_t>(tree.nodes.size()), static_cast<std::uint32_t>(tree.order.size())});
     tree.nodes.resize(tree.nodes.size() + part.nodes.size() - 1);
     tree.order.resize(tree.order.size() + part.order.size());
@@ -125,14 +125,14 @@ struct Layout {
   }
 };
 
-void copy_part(const WideTree& part, const Layout::Place& place, WideTree& tree) {
+void copy_part(const WideTree& part, const Layout::Offsets& at, WideTree& tree) {
   for (std::uint32_t i = 0; i < part.nodes.size(); ++i) {
-    WideNode& node = tree.nodes[i == 0 ? place.root : place.nodes + i - 1];
+    WideNode& node = tree.nodes[i == 0 ? at.root : at.nodes + i - 1];
     node = part.nodes[i];
-    node.first_child += place.nodes - 1;
-    node.first_item += place.items;
+    node.first_child += at.nodes - 1;
+    node.first_item += at.items;
   }
-  std::copy(part.order.begin(), part.order.end(), tree.order.begin() + place.items);
+  std::copy(part.order.begin(), part.order.end(), tree.order.begin() + at.items);
 }
 
 } // namespace
@@ -157,7 +157,7 @@ WideTree collapse(BinaryTree binary) {
   tree.order.reserve(item_count);
   Layout layout{binary, tree, parts};
   layout.place(root, 0, 1);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { copy_part(parts[i], layout.places[i], tree); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { copy_part(parts[i], layout.offsets[i], tree); });
   return tree;
 }
 

@@ -14,9 +14,9 @@ using Polygon = std::vector<Point>; // convex; empty if it has no corner beyond 
 // A half-space: sign * (p[axis] - place) <= 0.
 struct Side {
   std::size_t axis;
-  double sign, place;
-  double beyond(const Point& p) const { return sign * (p[axis] - place); }
-  Side opposite() const { return {axis, -sign, place}; }
+  double sign, offset;
+  double beyond(const Point& p) const { return sign * (p[axis] - offset); }
+  Side opposite() const { return {axis, -sign, offset}; }
 };
 
 Polygon clip(const Polygon& polygon, const Side& side, double tolerance) {
@@ -31,7 +31,7 @@ Polygon clip(const Polygon& polygon, const Side& side, double tolerance) {
       const double t = from / (from - to);
       Point p;
       for (std::size_t k = 0; k < 3; ++k) p[k] = a[k] + (b[k] - a[k]) * t;
-      p[side.axis] = side.place;
+      p[side.axis] = side.offset;
       kept.push_back(p);
     }
   }

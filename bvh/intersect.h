@@ -90,7 +90,7 @@ inline Vec3 shear(const PreparedRay& ray, Vec3 vertex) {
 }
 
 // Where a ray meets a triangle that it is known to meet.
-struct Place {
+struct HitPoint {
   float t, t_error; // t > t_error means t > 0 for certain; 0 where all vertices lie in front of the origin
   float apex, b;    // weights of the first two vertices
 };
@@ -99,7 +99,7 @@ struct Place {
 // straight from the edge functions err by eps * (longest edge / shortest), which for slivers puts the hit anywhere
 // along them; that of the apex, from differences along the shortest edge, does not, and how b and c share the rest
 // hardly matters.
-inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
+inline HitPoint locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
   const float ex = c.x - b.x, ey = c.y - b.y;
   const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x), rest = v + w;
   if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0}; // not a hit: t > t_error is false
@@ -107,8 +107,8 @@ inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, 
   const float fraction_b = rest != 0 ? v / rest : 0.0f, fraction_c = rest != 0 ? w / rest : 1.0f;
   // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
   const float base = std::fabs(b.z) < std::fabs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
-  Place place{base + weight * (apex.z - base), 0, weight, (1 - weight) * fraction_b};
-  if (std::min(apex.z, std::min(b.z, c.z)) > 0) return place; // their signs are exact
+  HitPoint point{base + weight * (apex.z - base), 0, weight, (1 - weight) * fraction_b};
+  if (std::min(apex.z, std::min(b.z, c.z)) > 0) return point; // their signs are exact
 
   // Otherwise bound the error of t. In 1/eps: shear() moves a vertex across the ray by 3 (extent + depth), which moves
   // the hit by as much times the vertex's weight; the products for the weights of the apex and of b err by 4 and by 4
@@ -116,15 +116,15 @@ inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, 
   // changes its sign. All is rounded up for divisions within 2.5 ulp and for the rounding of the bound itself.
   const float extent_a = std::max(std::fabs(apex.x), std::fabs(apex.y)), to_depth = 1 / std::fabs(ray.sz);
   const float extent_b = std::max(std::fabs(b.x), std::fabs(b.y)), extent_c = std::max(std::fabs(c.x), std::fabs(c.y));
-  const float weight_b = place.b, weight_c = (1 - weight) * fraction_c, edge = std::max(std::fabs(ex), std::fabs(ey));
+  const float weight_b = point.b, weight_c = (1 - weight) * fraction_c, edge = std::max(std::fabs(ex), std::fabs(ey));
   const float depths = weight * std::fabs(apex.z) + weight_b * std::fabs(b.z) + weight_c * std::fabs(c.z);
   const float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths * to_depth;
   const float longest = extent_a + std::max(extent_b, extent_c);
   const float apex_error = edge * (8 * move + 6 * extent_b + 12 * weight * longest) / std::fabs(area);
   const float fraction_error = (8 * move * longest + 6 * extent_a * (extent_b + extent_c)) / std::fabs(area);
-  place.t_error = 0x1p-24f * (12 * depths + apex_error * std::fabs(apex.z - base) +
+  point.t_error = 0x1p-24f * (12 * depths + apex_error * std::fabs(apex.z - base) +
                               std::min(fraction_error, 0x1p24f) * std::fabs(b.z - c.z));
-  return place;
+  return point;
 }
 
 // False, with `hit` unspecified, if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max.
@@ -143,22 +143,22 @@ inline bool intersect(const PreparedRay& ray, const Triangle& triangle, Triangle
   // The apex is the vertex opposite the shortest edge, the first on ties.
   const auto square = [](Vec3 p, Vec3 q) { return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y); };
   const float bc = square(b, c), ca = square(c, a), ab = square(a, b);
-  Place place;
+  HitPoint point;
   if (bc <= ca && bc <= ab) {
-    place = locate(ray, a, b, c, v, w);
-    hit.b1 = place.b, hit.b2 = 1 - place.apex - place.b;
+    point = locate(ray, a, b, c, v, w);
+    hit.b1 = point.b, hit.b2 = 1 - point.apex - point.b;
   } else if (ca <= ab) {
-    place = locate(ray, b, c, a, w, u);
-    hit.b1 = place.apex, hit.b2 = place.b;
+    point = locate(ray, b, c, a, w, u);
+    hit.b1 = point.apex, hit.b2 = point.b;
   } else {
-    place = locate(ray, c, a, b, u, v);
-    hit.b1 = 1 - place.apex - place.b, hit.b2 = place.apex;
+    point = locate(ray, c, a, b, u, v);
+    hit.b1 = 1 - point.apex - point.b, hit.b2 = point.apex;
   }
-  hit.t = place.t;
+  hit.t = point.t;
   // u+v+w is minus twice the signed area in (kx, ky), and kx, ky, kz are right-handed: seen along +kz that area is
   // mirrored.
   hit.front = (det > 0) == (ray.sz > 0);
-  return place.t > place.t_error;
+  return point.t > point.t_error;
 }
 
 } // namespace wavepath::bvh

@@ -52,7 +52,7 @@ private:
   Move find_move(std::uint32_t node) const;
   double gain_of(std::uint32_t node, const std::vector<std::uint32_t>& target_path) const;
   void apply(const Move& move, std::vector<std::uint8_t>& touched);
-  void put(std::uint32_t place, const BinaryNode& node);
+  void put(std::uint32_t index, const BinaryNode& node);
   void refit(std::uint32_t node);
 
   std::vector<BinaryNode> nodes_;
@@ -130,10 +130,10 @@ double Rebuilder::gain_of(std::uint32_t node, const std::vector<std::uint32_t>& 
 }
 
 // Stores `node` at another index and updates the parents of its children.
-void Rebuilder::put(std::uint32_t place, const BinaryNode& node) {
-  nodes_[place] = node;
-  if (is_leaf(place)) return;
-  parent_[node.first] = parent_[node.first + 1] = place;
+void Rebuilder::put(std::uint32_t index, const BinaryNode& node) {
+  nodes_[index] = node;
+  if (is_leaf(index)) return;
+  parent_[node.first] = parent_[node.first + 1] = index;
 }
 
 void Rebuilder::refit(std::uint32_t node) {

@@ -38,13 +38,13 @@ inline SiblingGroup order_children(const WideNode& node, const Entered& entered,
   SiblingGroup group{node.first_child, 0, {}};
   for (std::uint32_t slot = 0; slot < 4; ++slot) {
     if (!(entered.inner >> slot & 1u)) continue;
-    std::uint32_t place = group.count++;
+    std::uint32_t index = group.count++;
     // Distances are compared without their two lowest bits, which carry the slot on devices.
     const auto before = [&](std::uint32_t other) {
       return order == Order::largest_first || entered.t_bits[slot] >> 2 < entered.t_bits[other] >> 2;
     };
-    for (; place > 0 && before(group.slots[place - 1]); --place) group.slots[place] = group.slots[place - 1];
-    group.slots[place] = slot;
+    for (; index > 0 && before(group.slots[index - 1]); --index) group.slots[index] = group.slots[index - 1];
+    group.slots[index] = slot;
   }
   return group;
 }

@@ -159,31 +159,31 @@ TEST(Adaptivity, IsForThoseThatAskOrTry) {
 // ---- waves by levels ------------------------------------------------------------------------------------------------
 
 // Slots and samples of places are told from each other, both ways: shade goes from slots, accumulate from places.
-TEST(WaveByLevels, EverySlotIsASampleOfAPlace) {
-  for (const std::array<std::uint32_t, gpu::kLevels>& places :
+TEST(WaveByLevels, EverySlotIsASampleOfAnEntry) {
+  for (const std::array<std::uint32_t, gpu::kLevels>& entries :
        {std::array<std::uint32_t, gpu::kLevels>{3, 1, 7, 64, 5, 2},
         {0, 0, 9, 0, 0, 0},
         {0, 5, 0, 0, 11, 0},
         {1, 0, 0, 0, 0, 130}}) {
     gpu::Wave wave{.first_sample = 8, .sample_count = 12};
-    std::ranges::copy(places, wave.level_places);
-    wave.pixel_count = std::accumulate(places.begin(), places.end(), 0u);
+    std::ranges::copy(entries, wave.level_entries);
+    wave.pixel_count = std::accumulate(entries.begin(), entries.end(), 0u);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> worked_on;
     for (std::uint32_t slot = 0; slot < gpu::level_slots(wave); ++slot) {
       const gpu::WavePart part = gpu::part_of_slot(wave, slot);
-      const std::uint32_t place = gpu::local_place(part, slot), sample = gpu::local_sample(part, slot);
-      ++worked_on[{place, part.first_sample + sample}];
-      const gpu::WavePart same = gpu::part_of_place(wave, place);
-      EXPECT_EQ(same.first_slot + place - same.first_place + sample * same.places, slot);
+      const std::uint32_t entry = gpu::local_entry(part, slot), sample = gpu::local_sample(part, slot);
+      ++worked_on[{entry, part.first_sample + sample}];
+      const gpu::WavePart same = gpu::part_of_entry(wave, entry);
+      EXPECT_EQ(same.first_slot + entry - same.first_entry + sample * same.entries, slot);
       EXPECT_LT(sample, same.samples);
     }
-    std::uint32_t place = 0;
+    std::uint32_t entry = 0;
     std::size_t expected = 0;
     for (int level = kHighestLevel; level >= kLowestLevel; --level)
-      for (const std::uint32_t end = place + places[kHighestLevel - level]; place < end; ++place)
+      for (const std::uint32_t end = entry + entries[kHighestLevel - level]; entry < end; ++entry)
         for (std::uint32_t sample = at_level(8, level); sample < at_level(20, level); ++sample, ++expected)
-          EXPECT_EQ((worked_on[{place, sample}]), 1)
-              << "level " << level << ", place " << place << ", sample " << sample;
+          EXPECT_EQ((worked_on[{entry, sample}]), 1)
+              << "level " << level << ", place " << entry << ", sample " << sample;
     EXPECT_EQ(worked_on.size(), expected);
     EXPECT_EQ(gpu::level_slots(wave), expected);
   }
@@ -443,33 +443,33 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryReplicateOnce) {
       std::vector<std::int8_t> levels((pixels + kRunPixels - 1) / kRunPixels);
       for (std::uint32_t run = 0; run < levels.size(); ++run)
         levels[run] = static_cast<std::int8_t>(kLowestLevel + static_cast<int>(gpu::probe_hash(run) % 6));
-      std::vector<std::uint32_t> places;
-      const std::vector<Segment> segments = level_segments(film, levels, places);
-      ASSERT_EQ(places.size(), film.shape().places());
+      std::vector<std::uint32_t> entries;
+      const std::vector<Segment> segments = level_segments(film, levels, entries);
+      ASSERT_EQ(entries.size(), film.shape().entries());
       std::size_t wrong = 0, next = 0;
       for (const Segment& segment : segments) {
         const FilmBand& band = film.bands()[segment.band];
-        EXPECT_EQ(segment.first_place, next);
+        EXPECT_EQ(segment.first_entry, next);
         if (&segment != &segments.front() && (&segment)[-1].band == segment.band) {
           EXPECT_LE(segment.level, (&segment)[-1].level) << "a pass cut short leaves noisy ones out";
         }
         next += segment.pixel_count;
-        const std::uint32_t offset = places[segment.first_place] - band.entry_of(places[segment.first_place]);
+        const std::uint32_t offset = entries[segment.first_entry] - band.offset_of(entries[segment.first_entry]);
         for (std::uint32_t i = 0; i < segment.pixel_count; ++i) {
-          const std::uint32_t place = places[segment.first_place + i];
-          const glm::uvec2 at = place < pixels
-                                    ? gpu::pixel_in_tile_order(place, width, height)
-                                    : gpu::probed_pixel(place - pixels, width, height, 3, film.shape().probes());
+          const std::uint32_t entry = entries[segment.first_entry + i];
+          const glm::uvec2 at = entry < pixels
+                                    ? gpu::pixel_in_tile_order(entry, width, height)
+                                    : gpu::probed_pixel(entry - pixels, width, height, 3, film.shape().probes());
           wrong += levels[gpu::tile_order_of(at, width, height) / kRunPixels] != segment.level;
-          wrong += place - band.entry_of(place) != offset || band.entry_of(place) >= band.places();
-          if (quads && gpu::rank_in_quad(place, pixels) > 0)
-            wrong += i == 0 || places[segment.first_place + i - 1] != place - 1;
+          wrong += entry - band.offset_of(entry) != offset || band.offset_of(entry) >= band.entries();
+          if (quads && gpu::rank_in_quad(entry, pixels) > 0)
+            wrong += i == 0 || entries[segment.first_entry + i - 1] != entry - 1;
         }
       }
       EXPECT_EQ(wrong, 0u);
-      EXPECT_EQ(next, places.size());
-      std::ranges::sort(places);
-      for (std::uint32_t i = 0; i < places.size(); ++i) wrong += places[i] != i;
+      EXPECT_EQ(next, entries.size());
+      std::ranges::sort(entries);
+      for (std::uint32_t i = 0; i < entries.size(); ++i) wrong += entries[i] != i;
       EXPECT_EQ(wrong, 0u);
     }
 }

@@ -84,13 +84,13 @@ TEST(ErrorProbes, MeasureTwoThousandPixelsOrMore) {
     const FilmShape shape{.width = width, .height = height, .has_probes = true};
     EXPECT_EQ(shape.probe_count(), second);
   }
-  std::vector<int> places(64);
+  std::vector<int> entries(64);
   for (std::uint32_t block = 0; block < 4096; ++block) {
     const glm::uvec2 at = gpu::probed_pixel(block, 512, 512, 3, gpu::kProbesPixels);
     ASSERT_EQ(gpu::probe_block_of(at, 512, 512, gpu::kProbesPixels), block);
-    ++places[at.y % 8 * 8 + at.x % 8];
+    ++entries[at.y % 8 * 8 + at.x % 8];
   }
-  for (const int times : places) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
+  for (const int times : entries) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
 }
 
 // Every pixel of a block, cut off or not, is probed for as many seeds; so are pairs of neighbouring blocks.
@@ -113,11 +113,11 @@ TEST(ErrorProbes, AnyPixelOfABlockMayBeProbed) {
   }
   std::vector<double> pairs(256);
   for (std::uint32_t block = 0; block + 1 < 256 * 63; ++block) {
-    const auto place = [&](std::uint32_t b) {
+    const auto entry = [&](std::uint32_t b) {
       const glm::uvec2 at = gpu::probed_pixel(b, 1024, 255, 7, gpu::kProbesPixels);
       return at.y % 4 * 4 + at.x % 4;
     };
-    pairs[place(block) * 16 + place(block + 1)] += 1.0;
+    pairs[entry(block) * 16 + entry(block + 1)] += 1.0;
   }
   EXPECT_GT(chi_square_uniform(pairs).p_value, level);
 }
@@ -166,17 +166,17 @@ TEST(Quads, AreProbedWhole) {
     const auto probes = static_cast<std::uint32_t>(shape.probe_count());
     std::size_t wrong = 0;
     for (std::uint32_t block = 0; block < probes; ++block) {
-      const auto place_of = [&, w = width, h = height](std::uint32_t b) {
+      const auto pixel_of = [&, w = width, h = height](std::uint32_t b) {
         return gpu::tile_order_of(gpu::probed_pixel(b, w, h, 5, gpu::kProbesQuads), w, h);
       };
-      const std::uint32_t rank = gpu::rank_in_quad(pixels + block, pixels), place = place_of(block);
-      wrong += gpu::rank_in_quad(place, pixels) != rank || place_of(block - rank) != place - rank;
-      wrong += gpu::quad_places(pixels + block, width, height) != gpu::quad_places(place, width, height);
-      wrong += gpu::quad_places(place, width, height) < gpu::kQuadPixels &&
+      const std::uint32_t rank = gpu::rank_in_quad(pixels + block, pixels), entry = pixel_of(block);
+      wrong += gpu::rank_in_quad(entry, pixels) != rank || pixel_of(block - rank) != entry - rank;
+      wrong += gpu::quad_entries(pixels + block, width, height) != gpu::quad_entries(entry, width, height);
+      wrong += gpu::quad_entries(entry, width, height) < gpu::kQuadPixels &&
                gpu::tile_block(block / 4, width, height).pixels > 3;
     }
     EXPECT_EQ(wrong, 0u);
-    EXPECT_EQ(gpu::quad_places(pixels - 1, width, height), (pixels - 1) % 4 + 1);
+    EXPECT_EQ(gpu::quad_entries(pixels - 1, width, height), (pixels - 1) % 4 + 1);
   }
   for (std::uint32_t block = 0; block < 4096; block += 4) {
     const glm::uvec2 at = gpu::probed_pixel(block, 512, 512, 5, gpu::kProbesQuads);
@@ -211,7 +211,7 @@ TEST(Quads, AnyCompleteOneOfATileBlockMayBeProbed) {
     }
     EXPECT_EQ(counts.size(), quads[tile]);
     std::vector<double> histogram;
-    for (const auto& [place, count] : counts) histogram.push_back(count);
+    for (const auto& [entry, count] : counts) histogram.push_back(count);
     EXPECT_GT(chi_square_uniform(histogram).p_value, sidak(0.01, 4)) << tile;
   }
 }
@@ -440,19 +440,19 @@ public:
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return inner_->paths_per_pixel(samples); }
   std::uint32_t most_samples(std::uint32_t first) const override { return inner_->most_samples(first); }
   void begin_pass(WaveQueue& queue, std::uint32_t first) override { inner_->begin_pass(queue, first); }
-  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixels, std::uint32_t first,
+  gpu::Wave wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixels, std::uint32_t first,
                  std::uint32_t count) const override {
-    return inner_->wave(band, first_place, pixels, first, count);
+    return inner_->wave(band, first_entry, pixels, first, count);
   }
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
     const gpu::Frame& frame = workspace_.frame;
     std::uint32_t left = 0; // of the quad
     for (std::uint32_t i = 0; i < wave.pixel_count; ++i, --left) {
-      const std::uint32_t place = workspace_.place_at(wave.first_pixel + i);
-      const std::uint32_t rank = gpu::rank_in_quad(place, frame.width * frame.height);
-      const std::uint32_t places = gpu::quad_places(place, frame.width, frame.height);
-      if (left == 0) left = places, broken += rank != 0;
-      broken += rank + left != places;
+      const std::uint32_t entry = workspace_.entry_at(wave.first_pixel + i);
+      const std::uint32_t rank = gpu::rank_in_quad(entry, frame.width * frame.height);
+      const std::uint32_t entries = gpu::quad_entries(entry, frame.width, frame.height);
+      if (left == 0) left = entries, broken += rank != 0;
+      broken += rank + left != entries;
     }
     broken += left != 0;
     broken += gpu::level_slots(wave) > workspace_.slots;

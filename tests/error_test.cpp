@@ -322,7 +322,7 @@ Film noisy_film(const FilmShape& shape, bool alike) {
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
   std::array<double, gpu::kReplicates> means{};
   const std::uint32_t each = shape.has_probes ? 1 : gpu::kReplicates;
-  for (std::uint32_t place = 0; place < shape.places(); ++place) {
+  for (std::uint32_t place = 0; place < shape.entries(); ++place) {
     const glm::uvec2 at = gpu::pixel_in_tile_order(std::min(place, pixels - 1), shape.width, shape.height);
     const std::size_t entry = place < pixels ? std::size_t{at.y} * shape.width + at.x : place;
     if (!alike || gpu::rank_in_quad(place, pixels) == 0)

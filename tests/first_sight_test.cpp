@@ -337,7 +337,7 @@ TEST(Interior, TheCameraStandsInARoomAndLooksAlongIt) {
   EXPECT_EQ(view.forward.y, 0.0);
 }
 
-TEST(Interior, AClosedRoomHasAPlaceForALamp) {
+TEST(Interior, AClosedRoomHasAPositionForALamp) {
   EXPECT_FALSE(find_framing(room()).inside->lamp);
   const Scene closed = scene_of({box({4.0f, 1.5f, 2.5f}, true)}); // its floor at -1.5
   const Standpoint inside = find_framing(closed).inside.value();

@@ -179,7 +179,7 @@ TEST(GuideField, EqualLightEverywherePromisesNoGain) {
   EXPECT_EQ(build_field({}).leaves(), 1u);
 }
 
-TEST(GuideField, ManyVerticesOfOnePlaceEndInOneLeaf) {
+TEST(GuideField, ManyVerticesOfOneLocationEndInOneLeaf) {
   std::vector<GuideVertex> vertices = vertices_below_a_lamp(5000);
   for (GuideVertex& v : vertices) v.position = glm::vec3(1.0f);
   EXPECT_EQ(build_field(vertices).leaves(), 1u);
@@ -214,7 +214,7 @@ protected:
     const Buffer tree = upload(device(), field.nodes), maps = upload(device(), field.maps);
     const Buffer records = upload(device(), std::vector<glm::vec4>(1)), in_out = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
-                                        {gpu::kBindPlaces, BindingKind::texels_r32ui, &places},
+                                        {gpu::kBindEntries, BindingKind::texels_r32ui, &places},
                                         {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
                                         {gpu::kBindGuideMaps, BindingKind::texels_rgba32ui, &maps},
                                         {gpu::kBindGuideRecords, BindingKind::storage, &records},

@@ -82,7 +82,7 @@ struct Bench {
                            {gpu::kBindPathMedia, storage, &media},
                            {gpu::kBindPathAovs, storage, &path_aovs},
                            {gpu::kBindFilmAovs, storage, &film_aovs},
-                           {gpu::kBindPlaces, texels_r32ui, &places},
+                           {gpu::kBindEntries, texels_r32ui, &places},
                            {gpu::kBindCounters, storage, &counters},
                            {gpu::kBindSeen, storage, &film},
                            {gpu::kBindReceivers, storage, &receivers},

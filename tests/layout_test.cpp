@@ -181,7 +181,7 @@ TEST(Layout, Frame) {
            AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
-           AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_places)});
+           AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_entries)});
 }
 
 TEST(Layout, PathsAndQueues) {
@@ -227,7 +227,7 @@ TEST(Layout, Hybrid) {
           {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
            AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
            AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness),
-           AT(HybridFrame, sample_place), AT(HybridFrame, first_place)});
+           AT(HybridFrame, sample_position), AT(HybridFrame, first_position)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
 }

@@ -163,17 +163,17 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
 }
 
 // Many lights in few places, such as one lamp of many triangles, are as well picked by power.
-TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
+TEST_F(LightSelection, LightsInFewLocationsNeedNoTree) {
   Scene scene = two_rooms(0, false);
   scene.lights.clear();
   const std::uint32_t lamp = add_mesh(scene, quad({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), 1);
   for (int i = 0; i < 50; ++i)
     add_instance(scene, lamp,
                  glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(1.0 + 0.004 * i, 0.5, 0)), glm::dvec3(0.003)));
-  const PackedScene one_place = pack(scene);
-  EXPECT_EQ(one_place.local_light_count, 100u);
-  EXPECT_LT(one_place.light_places, 3.0);
-  EXPECT_TRUE(one_place.light_tree.empty());
+  const PackedScene one_location = pack(scene);
+  EXPECT_EQ(one_location.local_light_count, 100u);
+  EXPECT_LT(one_location.light_locations, 3.0);
+  EXPECT_TRUE(one_location.light_tree.empty());
   // The same lamps apart, over a table that stands on a large floor: close by the floor's measure, not by the table's.
   scene.instances.resize(scene.instances.size() - 50);
   for (int i = 0; i < 50; ++i)
@@ -183,12 +183,12 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
   const std::uint32_t floor = add_mesh(scene, quad({-6, -0.01f, -6}, {0, 0, 12}, {12, 0, 0}), 0);
   add_instance(scene, floor, glm::dmat4(1.0));
   const PackedScene small_places = pack(scene);
-  EXPECT_LT(small_places.light_places, kManyPlaces);
+  EXPECT_LT(small_places.light_locations, kManyLocations);
   EXPECT_FALSE(small_places.light_tree.empty());
   Scene rooms = two_rooms(40, false);
-  const PackedScene many_places = pack(rooms);
-  EXPECT_GT(many_places.light_places, kManyPlaces);
-  EXPECT_FALSE(many_places.light_tree.empty());
+  const PackedScene many_locations = pack(rooms);
+  EXPECT_GT(many_locations.light_locations, kManyLocations);
+  EXPECT_FALSE(many_locations.light_tree.empty());
 }
 
 TEST_F(LightSelection, TrainsProbabilitiesBySums) {

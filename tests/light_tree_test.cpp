@@ -84,8 +84,8 @@ TEST(LightTree, HoldsEveryLightInOneLeaf) {
 }
 
 TEST(LightTree, StaysShallowForLightsThatDefyHalving) {
-  std::vector<LightBounds> one_place(5000, point_light_bounds({1, 2, 3}, 4.0));
-  check(one_place);
+  std::vector<LightBounds> one_location(5000, point_light_bounds({1, 2, 3}, 4.0));
+  check(one_location);
   std::vector<LightBounds> doubling; // each distance twice the one before: any cut between bins splits off one light
   for (int i = 0; i < 120; ++i)
     doubling.push_back(point_light_bounds({std::ldexp(1.0f, i - 60), 0, 0}, std::ldexp(1.0, -i)));

@@ -310,7 +310,7 @@ Scene textured_strip(const std::vector<std::uint8_t>& grey, Wrap wrap = Wrap::cl
 }
 
 // Which of the eight are lights, by their place.
-std::vector<float> pdf_by_place(const PackedScene& packed) {
+std::vector<float> pdf_by_part(const PackedScene& packed) {
   std::vector<float> pdf(8, 0.0f);
   for (std::uint32_t i = 0; i < packed.triangles.size(); ++i)
     if (const gpu::Light* light = light_of(packed, i))
@@ -325,7 +325,7 @@ TEST(TexturedLights, FollowTheTexture) {
   Scene scene = textured_strip(grey);
   const PackedScene packed = pack(scene);
   expect_consistent(packed);
-  const std::vector<float> pdf = pdf_by_place(packed);
+  const std::vector<float> pdf = pdf_by_part(packed);
   EXPECT_NEAR(pdf[0], 1.0 / 1.4 / 0.5, 0.1);
   EXPECT_NEAR(pdf[0] / pdf[2], 5.0, 0.5);
   for (const std::size_t black : {5u, 6u, 7u}) EXPECT_EQ(pdf[black], 0.0f);
@@ -341,7 +341,7 @@ TEST(TexturedLights, FindASingleLitTexel) {
         Scene scene = textured_strip(grey, wrap, false);
         scene.materials[0].emission_texture.srgb = true;
         for (glm::vec2& uv : scene.meshes[0].uvs[0]) uv.x += shift / 64.0f;
-        const std::vector<float> pdf = pdf_by_place(pack(scene));
+        const std::vector<float> pdf = pdf_by_part(pack(scene));
         // Bilinear interpolation spreads the texel by one to either side: every triangle that it touches must be a
         // light.
         for (int place = 0; place < 8; ++place) {
@@ -358,8 +358,7 @@ TEST(TexturedLights, FollowRepetitionAcrossTheSeam) {
   grey[3] = 255;
   Scene scene = textured_strip(grey, Wrap::repeat);
   for (glm::vec2& uv : scene.meshes[0].uvs[0]) uv.x -= 2.0f + 4.0f / 64.0f;
-  const std::vector<float> pdf =
-      pdf_by_place(pack(scene)); // place 0 now spans texels 60..67, which are 60..63 and 0..3
+  const std::vector<float> pdf = pdf_by_part(pack(scene)); // place 0 now spans texels 60..67, which are 60..63 and 0..3
   EXPECT_GT(pdf[0], 0.0f);
   EXPECT_EQ(pdf[4], 0.0f);
 }
@@ -374,7 +373,7 @@ TEST(TexturedLights, ReadMovedSecondCoordinatesInLinearLight) {
   slot.uv_set = 1;
   slot.uv_matrix = glm::mat2(0.5f, 0.0f, 0.0f, 1.0f); // u' = u/2 reaches the lit half alone
   const PackedScene packed = pack(scene);
-  const std::vector<float> pdf = pdf_by_place(packed);
+  const std::vector<float> pdf = pdf_by_part(packed);
   EXPECT_NEAR(pdf[6] / pdf[1], 0.5029, 1e-3);
   EXPECT_EQ(packed.lights.size(), 8u);
 }

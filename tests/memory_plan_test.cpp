@@ -92,7 +92,7 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
   // On a CPU device all of the plan is in the host's memory, and what lies in both places twice.
   const MemoryPlan plan = plan_memory(both, scene, kLamps);
   std::uint64_t expected = 2 * scene.total() + choose_slots(cpu, kLamps, both) * total_bytes(plan.path);
-  for (const MemoryItem& item : plan.render) expected += (item.place == MemoryPlace::both ? 2 : 1) * item.bytes;
+  for (const MemoryItem& item : plan.render) expected += (item.location == MemoryLocation::both ? 2 : 1) * item.bytes;
   EXPECT_EQ(needed, expected);
   EXPECT_LT(MemoryCheck("a.glb", scene, kLamps, device_of("discrete")).bytes(both), needed / 2);
 }

@@ -76,7 +76,7 @@ TEST_F(Outputs, AreComparedAsFiles) {
   EXPECT_FALSE(clash(file("new.exr"), ""));
   EXPECT_FALSE(clash("/dev/null", "/dev/null")) << "nothing is replaced";
   EXPECT_FALSE(clash("/dev/stdout", file("sky.exr")));
-  EXPECT_EQ(place_of(file("dangling.exr")), place_of(file("made-later.exr")));
+  EXPECT_EQ(target_of(file("dangling.exr")), target_of(file("made-later.exr")));
   // Two names that differ in case are two files here, and may be one on the disk of another machine.
   fs::create_directory(file("case"));
   const std::vector<std::string> both = {file("case/a.exr"), file("case/A.exr")};

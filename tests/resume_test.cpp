@@ -480,10 +480,10 @@ TEST_F(Resume, MergedPositionsAreThoseOfTheWhole) {
   ASSERT_EQ(render_far("whole.exr", "0:8") + render_far("a.exr", "0:3") + render_far("b.exr", "3:8"), 0);
   const Outcome merged = wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
-  const std::optional<glm::dvec3> origin = read_place(path("whole.exr"), "wavepath.origin");
+  const std::optional<glm::dvec3> origin = read_vector(path("whole.exr"), "wavepath.origin");
   ASSERT_TRUE(origin);
   EXPECT_GT(origin->x, 1e5);
-  EXPECT_EQ(read_place(path("merged.exr"), "wavepath.origin"), origin);
+  EXPECT_EQ(read_vector(path("merged.exr"), "wavepath.origin"), origin);
   const Picture whole = read_picture(path("whole.exr")), joined = read_picture(path("merged.exr"));
   for (const char* name : {"P.X", "P.Y", "P.Z"})
     for (std::size_t i = 0; i < 256; ++i) {

@@ -294,7 +294,7 @@ TEST_F(VisibilityBuffer, RealScenes) {
   check_file(kShared / "Cameras/glTF/Cameras.gltf", {}, orthographic);
 }
 
-TEST_F(VisibilityBuffer, AnyPlaceInThePixelAndAnySize) {
+TEST_F(VisibilityBuffer, AnyPositionInThePixelAndAnySize) {
   for (const FrameSettings& settings :
        {FrameSettings{1, 1, {0, 0}}, FrameSettings{37, 23, {-1.4f, 1.3f}}, FrameSettings{1, 64, {0.49f, -0.49f}},
         FrameSettings{127, 3, {-0.5f, 0.5f}}, FrameSettings{65, 65, {0, 0}}})

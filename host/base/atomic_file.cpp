@@ -42,7 +42,7 @@ void refuse_hopeless(const std::string& target, const fs::path& path) {
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& target) : target_(target) {
-  const fs::path path = place_of(target); // so that a link is not replaced by a regular file
+  const fs::path path = target_of(target); // so that a link is not replaced by a regular file
   refuse_hopeless(target, path);
   if (is_special(path)) {
     // The name as given: /dev/stdout resolves to a pipe that has no path of its own.

@@ -23,7 +23,7 @@ struct NamedFile {
   bool exists = false, regular = false;
   dev_t device = 0;
   ino_t inode = 0;
-  fs::path place; // of one that does not exist
+  fs::path target; // of one that does not exist
 };
 
 NamedFile described(const std::string& name, const struct stat& status) {
@@ -33,7 +33,7 @@ NamedFile described(const std::string& name, const struct stat& status) {
 NamedFile named_file(const std::string& name) {
   struct stat status {};
   if (::stat(name.c_str(), &status) == 0) return described(name, status);
-  return {.name = name, .place = place_of(name)};
+  return {.name = name, .target = target_of(name)};
 }
 
 std::string lower_case(std::string text) {
@@ -56,17 +56,17 @@ bool ignores_case(const fs::path& folder) {
 bool same_file(const NamedFile& a, const NamedFile& b) {
   if (a.exists != b.exists) return false;
   if (a.exists) return a.regular && a.device == b.device && a.inode == b.inode;
-  if (a.place == b.place) return true;
-  const fs::path folder = a.place.parent_path();
-  return folder == b.place.parent_path() &&
-         lower_case(a.place.filename().string()) == lower_case(b.place.filename().string()) && ignores_case(folder);
+  if (a.target == b.target) return true;
+  const fs::path folder = a.target.parent_path();
+  return folder == b.target.parent_path() &&
+         lower_case(a.target.filename().string()) == lower_case(b.target.filename().string()) && ignores_case(folder);
 }
 
 bool names_descriptor(const std::string& name) { return name.starts_with("/dev/") || name.starts_with("/proc/"); }
 
 } // namespace
 
-fs::path place_of(const std::string& name) {
+fs::path target_of(const std::string& name) {
   constexpr int kMostLinks = 40; // as Linux follows
   std::error_code error;
   fs::path path = name;

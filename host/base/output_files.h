@@ -8,7 +8,7 @@
 namespace wavepath {
 
 // The place where a file of this name is, or would be made: links are followed, also those that lead to nothing yet.
-std::filesystem::path place_of(const std::string& name);
+std::filesystem::path target_of(const std::string& name);
 
 // Throws UsageError where an output is the file of an input, of another output, or of stdout or stderr: the same device
 // and inode, or for files that are yet to be made, the same place, without regard to case where the folder has none.

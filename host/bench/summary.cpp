@@ -8,10 +8,10 @@ namespace {
 
 // Between neighbours linearly, as most statistics programs do (Hyndman and Fan 1996, type 7). `sorted` is not empty.
 double quantile(const std::vector<double>& sorted, double fraction) {
-  const double place = fraction * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(std::floor(place));
+  const double rank = fraction * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(std::floor(rank));
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], place - static_cast<double>(below));
+  return std::lerp(sorted[below], sorted[above], rank - static_cast<double>(below));
 }
 
 } // namespace

@@ -98,7 +98,7 @@ std::vector<std::string> aovs_of(const Picture& picture) {
 
 // What the positions in a part are relative to.
 glm::dvec3 read_origin(const std::string& path) {
-  const std::optional<glm::dvec3> origin = read_place(path, "wavepath.origin");
+  const std::optional<glm::dvec3> origin = read_vector(path, "wavepath.origin");
   if (!origin) throw Error(path, "lacks the attribute wavepath.origin", "render it again");
   return *origin;
 }

@@ -15,12 +15,12 @@ float sample_face(const std::vector<float>& faces, std::uint32_t width, const Im
   Imf::CubeMapFace face{};
   Imath::V2f in_face;
   Imf::CubeMap::faceAndPixelPosition(direction, window, face, in_face);
-  const Imath::V2f place = Imf::CubeMap::pixelPosition(face, window, in_face);
+  const Imath::V2f position = Imf::CubeMap::pixelPosition(face, window, in_face);
   const Imath::Box2i bounds = Imf::CubeMap::dataWindowForFace(face, window);
   const auto clamped = [](float value, int least, int most) {
     return std::clamp(value, static_cast<float>(least), static_cast<float>(most));
   };
-  const float x = clamped(place.x, bounds.min.x, bounds.max.x), y = clamped(place.y, bounds.min.y, bounds.max.y);
+  const float x = clamped(position.x, bounds.min.x, bounds.max.x), y = clamped(position.y, bounds.min.y, bounds.max.y);
   const int left = static_cast<int>(x), top = static_cast<int>(y);
   const int right = std::min(left + 1, bounds.max.x), bottom = std::min(top + 1, bounds.max.y);
   const auto texel = [&](int column, int row) {

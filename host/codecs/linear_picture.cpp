@@ -85,7 +85,7 @@ struct Stored {
   std::vector<std::size_t> channels; // that were read, in this order
   std::vector<std::vector<float>> planes;
 
-  std::size_t place_of(std::size_t channel) const {
+  std::size_t index_of(std::size_t channel) const {
     return static_cast<std::size_t>(std::ranges::find(channels, channel) - channels.begin());
   }
 };
@@ -186,10 +186,10 @@ std::vector<std::vector<float>> colours_of(const Stored& stored, bool light) {
       colours.push_back(colours.front());
       continue;
     }
-    std::vector<float>& values = colours.emplace_back(stored.planes[stored.place_of(channel)]);
+    std::vector<float>& values = colours.emplace_back(stored.planes[stored.index_of(channel)]);
     decode_values(part, values);
     if (!part.unassociated_alpha) continue;
-    const std::vector<float>& alpha = stored.planes[stored.place_of(*part.unassociated_alpha)];
+    const std::vector<float>& alpha = stored.planes[stored.index_of(*part.unassociated_alpha)];
     for (std::size_t i = 0; i < values.size(); ++i) values[i] *= alpha[i];
   }
   const bool converts = part.chromaticities && !is_rec709(*part.chromaticities) && !stored.colours.grey();
@@ -212,7 +212,7 @@ LinearPicture read_stored(const std::string& path, const char* format, const Rea
     if (std::ranges::count(stored.colours.rgb, channel) > 0) continue;
     if (!request.wanted || !request.wanted(part.channels[channel])) continue;
     picture.channels.push_back(part.channels[channel]);
-    picture.planes.push_back(std::move(stored.planes[stored.place_of(channel)]));
+    picture.planes.push_back(std::move(stored.planes[stored.index_of(channel)]));
   }
   for (std::vector<float>& plane : picture.planes) {
     plane = in_display_window(part, std::move(plane));

@@ -11,12 +11,12 @@
 namespace wavepath {
 
 struct LongJump {
-  std::jmp_buf place;
+  std::jmp_buf buffer;
   char words[200] = ""; // what the library says is wrong
 
   [[noreturn]] void leave(const char* problem) {
     if (problem != words) std::snprintf(words, sizeof words, "%s", problem);
-    std::longjmp(place, 1);
+    std::longjmp(buffer, 1);
   }
 };
 
@@ -25,7 +25,7 @@ struct LongJump {
 template <class Step>
 bool completes(LongJump& jump, const Step& step) {
   static_assert(std::is_trivially_destructible_v<Step>);
-  if (setjmp(jump.place) != 0) return false;
+  if (setjmp(jump.buffer) != 0) return false;
   step();
   return true;
 }

@@ -124,10 +124,10 @@ class Quads {
 public:
   Quads(const Film& film, std::size_t row)
       : film_(film),
-        first_(place_of(row * film.width) / gpu::kQuadPixels),
+        first_(tile_index_of(row * film.width) / gpu::kQuadPixels),
         quads_(kTileRows * film.width / gpu::kQuadPixels) {}
   void add(std::size_t pixel, double squared, double pixels) {
-    Quad& quad = quads_[place_of(pixel) / gpu::kQuadPixels - first_];
+    Quad& quad = quads_[tile_index_of(pixel) / gpu::kQuadPixels - first_];
     quad.squared += squared * pixels, quad.pixels += pixels;
   }
   void add_to(Sums& sums) const {
@@ -136,7 +136,7 @@ public:
   }
 
 private:
-  std::uint32_t place_of(std::size_t pixel) const {
+  std::uint32_t tile_index_of(std::size_t pixel) const {
     const auto index = static_cast<std::uint32_t>(pixel), y = index / film_.width;
     return gpu::tile_order_of({index - y * film_.width, y}, film_.width, film_.height);
   }

@@ -194,7 +194,7 @@ bool Film::operator==(const Film& other) const {
 
 Film make_film(const FilmShape& shape) {
   Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.replicates()), {}, {}};
-  if (shape.aovs) film.aovs.resize(shape.places());
+  if (shape.aovs) film.aovs.resize(shape.entries());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
   film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
   film.probed.resize(shape.probe_count());

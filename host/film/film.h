@@ -33,11 +33,11 @@ struct FilmShape {
     return rows > 0 && width > 0 ? gpu::probes_above(rows, width, height, probes()) : 0;
   }
   std::uint64_t probe_count() const { return probes_above(height); }
-  std::uint64_t places() const { return pixels() + probe_count(); } // with AOVs of their own
-  std::uint64_t replicates() const { return has_probes ? places() : gpu::kReplicates * pixels(); }
+  std::uint64_t entries() const { return pixels() + probe_count(); } // with AOVs of their own
+  std::uint64_t replicates() const { return has_probes ? entries() : gpu::kReplicates * pixels(); }
   // Memory of all sums.
   std::uint64_t bytes() const {
-    return replicates() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
+    return replicates() * sizeof(gpu::FilmPixel) + (aovs ? entries() * sizeof(gpu::FilmAovs) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);
   }
   bool operator==(const FilmShape&) const = default;

@@ -93,18 +93,18 @@ std::uint32_t QueryStructures::add(const QueryTriangles& triangles) {
   return static_cast<std::uint32_t>(objects_.size() - 1);
 }
 
-void QueryStructures::place(std::span<const QueryPlace> places) {
+void QueryStructures::place(std::span<const QueryInstance> all_placed) {
   constexpr std::uint64_t kMostNumbers = 1u << 24; // of custom indices
-  require(*device_, "instances", places.size(), std::min(kMostNumbers, device_->info().max_query_instances));
+  require(*device_, "instances", all_placed.size(), std::min(kMostNumbers, device_->info().max_query_instances));
   std::vector<VkAccelerationStructureInstanceKHR> instances;
-  instances.reserve(places.size());
-  for (const QueryPlace& place : places) {
+  instances.reserve(all_placed.size());
+  for (const QueryInstance& placed : all_placed) {
     VkAccelerationStructureInstanceKHR& instance = instances.emplace_back();
-    static_assert(sizeof(instance.transform) == sizeof(place.world_from_object));
-    std::memcpy(&instance.transform, place.world_from_object, sizeof(instance.transform));
+    static_assert(sizeof(instance.transform) == sizeof(placed.world_from_object));
+    std::memcpy(&instance.transform, placed.world_from_object, sizeof(instance.transform));
     instance.instanceCustomIndex = static_cast<std::uint32_t>(instances.size() - 1) & (kMostNumbers - 1);
     instance.mask = 0xff;
-    instance.accelerationStructureReference = objects_[place.object].address;
+    instance.accelerationStructureReference = objects_[placed.object].address;
   }
   const Buffer list = upload_addressed(*device_, std::span<const VkAccelerationStructureInstanceKHR>(instances));
   VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};

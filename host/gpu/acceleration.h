@@ -20,7 +20,7 @@ struct QueryTriangles {
 };
 
 // An object at a place. The number of a place, counted from 0, is what ray queries tell as the custom index.
-struct QueryPlace {
+struct QueryInstance {
   std::uint32_t object = 0;       // as add() counts
   glm::vec4 world_from_object[3]; // rows
 };
@@ -42,7 +42,7 @@ public:
   // has more triangles than the device allows; so does place().
   std::uint32_t add(const QueryTriangles& triangles);
   // Builds what rays are traced through, once, after all objects.
-  void place(std::span<const QueryPlace> places);
+  void place(std::span<const QueryInstance> all_placed);
 
   std::uint64_t address() const { return top_address_; } // for kernels; after place()
   std::uint64_t bytes() const;

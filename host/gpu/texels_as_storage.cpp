@@ -127,11 +127,11 @@ private:
 
   void fetch(std::uint32_t variable, std::uint32_t type, std::uint32_t result, std::uint32_t index) {
     const TexelBlock& block = blocks_[variable];
-    const std::uint32_t place = next();
-    put(out_, OpAccessChain, {block.pointer, place, variable, zero_, index});
-    if (block.components == 4) return put(out_, OpLoad, {type, result, place});
+    const std::uint32_t pointer = next();
+    put(out_, OpAccessChain, {block.pointer, pointer, variable, zero_, index});
+    if (block.components == 4) return put(out_, OpLoad, {type, result, pointer});
     const std::uint32_t element = next(), zero = zeros_[block.component], one = ones_[block.component];
-    put(out_, OpLoad, {block.element, element, place});
+    put(out_, OpLoad, {block.element, element, pointer});
     if (block.components == 2)
       put(out_, OpCompositeConstruct, {type, result, element, zero, one});
     else

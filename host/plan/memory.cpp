@@ -44,14 +44,14 @@ MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::
   const bool has_parts = scene.environment_bytes > 0 || most_sky_samples_of(settings, features) > 1;
   const bool trains_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   std::vector<MemoryItem> items = {
-      {"film", film, MemoryPlace::both},
-      {"film of splats", shape.bytes() - film, MemoryPlace::both},
-      {"order of samples", is_adaptive(settings) ? shape.places() * sizeof(std::uint32_t) : 0, MemoryPlace::both},
+      {"film", film, MemoryLocation::both},
+      {"film of splats", shape.bytes() - film, MemoryLocation::both},
+      {"order of samples", is_adaptive(settings) ? shape.entries() * sizeof(std::uint32_t) : 0, MemoryLocation::both},
       {"frames", pixels * kind.bytes_per_pixel(settings)},
       {"learned lights", trains_lights ? kind.light_training_bytes : 0},
       {"learned sky", trains_sky ? kind.sky_training_bytes : 0},
-      {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryPlace::host},
-      {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryPlace::host}};
+      {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryLocation::host},
+      {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryLocation::host}};
   if (kind.items)
     for (const MemoryItem& item : kind.items(settings, scene, features)) items.push_back(item);
   std::erase_if(items, [](const MemoryItem& item) { return item.bytes == 0; });
@@ -69,8 +69,8 @@ std::uint64_t MemoryCheck::bytes(const RenderPlan& settings) const {
   const MemoryPlan plan = plan_memory(settings, scene_, features_);
   std::uint64_t sum = (shared ? 2 : 1) * scene_.total();
   for (const MemoryItem& item : plan.render) {
-    if (item.place != MemoryPlace::device) sum += item.bytes;
-    if (item.place != MemoryPlace::host && shared) sum += item.bytes;
+    if (item.location != MemoryLocation::device) sum += item.bytes;
+    if (item.location != MemoryLocation::host && shared) sum += item.bytes;
   }
   return sum + (shared ? choose_slots(device_, features_, settings) * total_bytes(plan.path) : 0);
 }

@@ -26,9 +26,9 @@ double brightest_flip(const Study& study, double seconds) {
     if (const StudyPicture* shown = picture_near(series, seconds))
       all.insert(all.end(), shown->flip.begin(), shown->flip.end());
   if (all.empty()) return 1.0;
-  const auto place = all.begin() + static_cast<std::ptrdiff_t>(all.size() - 1 - all.size() / 100);
-  std::nth_element(all.begin(), place, all.end());
-  return *place > 0.0f ? *place : 1.0;
+  const auto percentile = all.begin() + static_cast<std::ptrdiff_t>(all.size() - 1 - all.size() / 100);
+  std::nth_element(all.begin(), percentile, all.end());
+  return *percentile > 0.0f ? *percentile : 1.0;
 }
 
 } // namespace

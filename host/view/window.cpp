@@ -269,10 +269,10 @@ void Viewer::press(const KeyPress& key) {
 }
 
 void Viewer::focus() {
-  const auto place = window_.pointer();
+  const auto pointer = window_.pointer();
   if (!request_.packed) return;
   const bool passes_backs = panel_.settings.cull != gpu::kCullNone;
-  const auto point = pick(*request_.packed, camera_.view(), place, glm::dvec2(window_.size()), passes_backs);
+  const auto point = pick(*request_.packed, camera_.view(), pointer, glm::dvec2(window_.size()), passes_backs);
   if (!point || !camera_.focus(*point)) return;
   if (panel_.settings.lens.focus) { // else the lens follows what the middle of the picture shows, which this is now
     panel_.settings.lens.focus = depth_of(camera_.view(), *point);

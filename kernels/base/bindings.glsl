@@ -9,7 +9,7 @@
 
 layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { Frame frame; };
 layout(push_constant) uniform WaveBlock { Wave wave; };
-layout(set = 0, binding = kBindPlaces) uniform usamplerBuffer place_texels;
+layout(set = 0, binding = kBindEntries) uniform usamplerBuffer entry_texels;
 
 #ifdef BIND_GEOMETRY
 layout(set = 0, binding = kBindNodes) uniform usamplerBuffer nodes;

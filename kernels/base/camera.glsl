@@ -38,8 +38,8 @@ vec2 sample_aperture(vec2 u) {
 
 // From the middle of the lens.
 vec3 sample_lens(vec2 u) {
-  vec2 place = frame.lens_radius * sample_aperture(u);
-  return place.x * normalize(frame.camera_right) + place.y * normalize(frame.camera_up);
+  vec2 position = frame.lens_radius * sample_aperture(u);
+  return position.x * normalize(frame.camera_right) + position.y * normalize(frame.camera_up);
 }
 
 // The camera ray through a place in the picture, of a sample that draws its own point on the lens where there is one.

@@ -82,13 +82,13 @@ GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) 
 }
 
 // By quads: which pixel of its quad a place is, in a picture of so many pixels; and how many places that quad has.
-GPU_FUNCTION uint rank_in_quad(uint place, uint pixels) {
-  return (place < pixels ? place : place - pixels) & (kQuadPixels - 1u);
+GPU_FUNCTION uint rank_in_quad(uint entry, uint pixels) {
+  return (entry < pixels ? entry : entry - pixels) & (kQuadPixels - 1u);
 }
-GPU_FUNCTION uint quad_places(uint place, uint width, uint height) {
+GPU_FUNCTION uint quad_entries(uint entry, uint width, uint height) {
   uint pixels = width * height;
-  uint end = place < pixels ? pixels : pixels + probes_above(height, width, height, kProbesQuads);
-  uint left = end - place + rank_in_quad(place, pixels);
+  uint end = entry < pixels ? pixels : pixels + probes_above(height, width, height, kProbesQuads);
+  uint left = end - entry + rank_in_quad(entry, pixels);
   return left < kQuadPixels ? left : kQuadPixels;
 }
 
@@ -125,9 +125,9 @@ GPU_FUNCTION uvec2 probed_pixel(uint block, uint width, uint height, uint seed, 
   uint row = divide(block, across), left = (block - row * across) * side, top = row * side;
   uint columns = width - left < side ? width - left : side, rows = height - top < side ? height - top : side;
   uint random = probe_hash(block + probe_hash(seed)) >> 16u;
-  uint place = random * (columns * rows) >> 16u;
-  uint down = divide_small(place, columns);
-  return uvec2(left + (place - down * columns), top + down);
+  uint index = random * (columns * rows) >> 16u;
+  uint down = divide_small(index, columns);
+  return uvec2(left + (index - down * columns), top + down);
 }
 
 #ifdef __cplusplus

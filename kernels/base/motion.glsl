@@ -20,8 +20,8 @@ void open_shutter(Sampler path_sampler) {
 // bit, so that rounding here is no error of a hit.
 vec3 moved(vec3 corner, int texel) {
   if (!kMoves) return corner;
-  precise vec3 place = corner + shutter_time * texelFetch(triangles, int(frame.motion_texel) + texel).xyz;
-  return place;
+  precise vec3 position = corner + shutter_time * texelFetch(triangles, int(frame.motion_texel) + texel).xyz;
+  return position;
 }
 
 #endif

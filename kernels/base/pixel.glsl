@@ -13,23 +13,23 @@ bool has_error_probes() { return kProbing == kProbingOn && frame.probes != kProb
 
 // The entry of the film, a pixel in tile order or a probe after them, that pixel `local` of the wave is.
 uint wave_pixel(uint local) {
-  uint place = wave.first_pixel + local;
-  return has(kFeatureAdaptive) ? texelFetch(place_texels, int(place)).x : place;
+  uint entry = wave.first_pixel + local;
+  return has(kFeatureAdaptive) ? texelFetch(entry_texels, int(entry)).x : entry;
 }
 
-bool is_probe(uint place) { return has_error_probes() && place >= frame.width * frame.height; }
+bool is_probe(uint entry) { return has_error_probes() && entry >= frame.width * frame.height; }
 
 WavePart slot_part(uint slot) { return has(kFeatureAdaptive) ? part_of_slot(wave, slot) : even_part(wave); }
 uint wave_slots() { return has(kFeatureAdaptive) ? level_slots(wave) : wave.pixel_count * wave.sample_count; }
 
-uint slot_place(uint slot) { return wave_pixel(local_place(slot_part(slot), slot)); }
+uint slot_entry(uint slot) { return wave_pixel(local_entry(slot_part(slot), slot)); }
 
 uvec2 slot_pixel(uint slot) {
-  uint place = slot_place(slot);
-  if (is_probe(place))
-    return probed_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed,
+  uint entry = slot_entry(slot);
+  if (is_probe(entry))
+    return probed_pixel(entry - frame.width * frame.height, frame.width, frame.height, frame.seed,
                           kReuse == kReuseNone ? kProbesPixels : frame.probes);
-  return pixel_in_tile_order(place, frame.width, frame.height);
+  return pixel_in_tile_order(entry, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
 uint slot_sample(uint slot) {
@@ -41,7 +41,7 @@ Sampler slot_sampler(uint slot) {
   uvec2 at = slot_pixel(slot);
   uint pixel = at.y * frame.width + at.x, sample_ = slot_sample(slot);
   if (!has_error_probes()) return make_sampler(frame.seed, pixel, sample_, frame.sample_total);
-  uint replicate = is_probe(slot_place(slot)) ? 1u : 0u;
+  uint replicate = is_probe(slot_entry(slot)) ? 1u : 0u;
   return make_replicate_sampler(frame.seed, pixel, replicate, sample_, frame.sample_total);
 }
 

@@ -14,8 +14,8 @@ GPU_FUNCTION uint at_level(uint n, int level) { return level >= 0 ? n << level :
 
 // Consecutive places of a wave that have as many samples each. Slot = first_slot + local sample * places + local place.
 struct WavePart {
-  uint first_place; // counted from the wave's first
-  uint places;
+  uint first_entry; // counted from the wave's first
+  uint entries;
   uint first_slot;
   uint first_sample;
   uint samples;
@@ -24,8 +24,8 @@ struct WavePart {
 
 GPU_FUNCTION WavePart even_part(Wave wave) {
   WavePart part;
-  part.first_place = part.first_slot = part.rank = 0u;
-  part.places = wave.pixel_count;
+  part.first_entry = part.first_slot = part.rank = 0u;
+  part.entries = wave.pixel_count;
   part.first_sample = wave.first_sample;
   part.samples = wave.sample_count;
   return part;
@@ -34,18 +34,18 @@ GPU_FUNCTION WavePart even_part(Wave wave) {
 // Of a wave by levels (kFeatureAdaptive): the part of the highest level, and that of the next lower one.
 GPU_FUNCTION WavePart highest_part(Wave wave) {
   WavePart part;
-  part.first_place = part.first_slot = part.rank = 0u;
-  part.places = wave.level_places[0];
+  part.first_entry = part.first_slot = part.rank = 0u;
+  part.entries = wave.level_entries[0];
   part.first_sample = at_level(wave.first_sample, kHighestLevel);
   part.samples = at_level(wave.sample_count, kHighestLevel);
   return part;
 }
 GPU_FUNCTION WavePart next_part(WavePart before, Wave wave, int level) {
   WavePart part;
-  part.first_place = before.first_place + before.places;
-  part.first_slot = before.first_slot + before.places * before.samples;
+  part.first_entry = before.first_entry + before.entries;
+  part.first_slot = before.first_slot + before.entries * before.samples;
   part.rank = uint(kHighestLevel - level);
-  part.places = wave.level_places[kHighestLevel - level];
+  part.entries = wave.level_entries[kHighestLevel - level];
   part.first_sample = at_level(wave.first_sample, level);
   part.samples = at_level(wave.sample_count, level);
   return part;
@@ -56,33 +56,33 @@ GPU_FUNCTION WavePart part_of(Wave wave, uint at, bool is_slot) {
   WavePart part = highest_part(wave), found = part;
   for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
     part = next_part(part, wave, level);
-    if (part.places > 0u && at >= (is_slot ? part.first_slot : part.first_place)) found = part;
+    if (part.entries > 0u && at >= (is_slot ? part.first_slot : part.first_entry)) found = part;
   }
   return found;
 }
 GPU_FUNCTION WavePart part_of_slot(Wave wave, uint slot) { return part_of(wave, slot, true); }
-GPU_FUNCTION WavePart part_of_place(Wave wave, uint place) { return part_of(wave, place, false); }
+GPU_FUNCTION WavePart part_of_entry(Wave wave, uint entry) { return part_of(wave, entry, false); }
 
 // Slots of a wave by levels.
 GPU_FUNCTION uint level_slots(Wave wave) {
   uint sum = 0u;
   for (int level = kHighestLevel; level >= kLowestLevel; --level)
-    sum += wave.level_places[kHighestLevel - level] * at_level(wave.sample_count, level);
+    sum += wave.level_entries[kHighestLevel - level] * at_level(wave.sample_count, level);
   return sum;
 }
 
 // Of a slot in its part. A wave has far fewer samples of a place than divide() can tell apart.
-GPU_FUNCTION uint local_sample(WavePart part, uint slot) { return divide(slot - part.first_slot, part.places); }
-GPU_FUNCTION uint local_place(WavePart part, uint slot) {
-  return part.first_place + slot - part.first_slot - local_sample(part, slot) * part.places;
+GPU_FUNCTION uint local_sample(WavePart part, uint slot) { return divide(slot - part.first_slot, part.entries); }
+GPU_FUNCTION uint local_entry(WavePart part, uint slot) {
+  return part.first_entry + slot - part.first_slot - local_sample(part, slot) * part.entries;
 }
 
 #ifdef __cplusplus
-// All places get as many samples: kernels of an adaptive render take them for level 0. `first_place`,
+// All places get as many samples: kernels of an adaptive render take them for level 0. `first_entry`,
 // `first_film_pixel`: as Wave's first_pixel and first_film_pixel.
-inline Wave even_wave(uint first_place, uint places, uint first_sample, uint samples, uint first_film_pixel) {
-  Wave wave{first_place, places, first_sample, samples, 0, first_film_pixel, {}};
-  wave.level_places[kHighestLevel] = places;
+inline Wave even_wave(uint first_entry, uint entries, uint first_sample, uint samples, uint first_film_pixel) {
+  Wave wave{first_entry, entries, first_sample, samples, 0, first_film_pixel, {}};
+  wave.level_entries[kHighestLevel] = entries;
   return wave;
 }
 } // namespace wavepath::gpu

@@ -116,7 +116,7 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
   Surface target;
   uint count = light_counts[slot];
   for (uint k = 0u; k < count; ++k) {
-    LightVertex at = fetch_light_vertex(light_vertex_place(slot, k));
+    LightVertex at = fetch_light_vertex(light_vertex_index(slot, k));
     if (wave.bounce + 1u + at.bounce > frame.max_depth) break;
     Surface candidate;
     vec3 light = connect_to_vertex(v, at, slot, weights, candidate);
@@ -303,11 +303,11 @@ void main() {
   if (index < queues.ray_count[wave.bounce & 1u]) shade(index, wants, next, shadow, connection);
 
   uint next_queue = (wave.bounce + 1u) & 1u;
-  uint place;
-  APPEND(queues.ray_count[next_queue], wants.ray, place);
-  if (wants.ray) store_ray(next_queue * frame.slot_count + place, next);
-  APPEND(queues.shadow_count[0], wants.shadow, place);
-  if (wants.shadow) store_shadow_ray(place, shadow);
-  APPEND(connections.count, wants.connection, place);
-  if (wants.connection) store_connection(place, connection);
+  uint append_index;
+  APPEND(queues.ray_count[next_queue], wants.ray, append_index);
+  if (wants.ray) store_ray(next_queue * frame.slot_count + append_index, next);
+  APPEND(queues.shadow_count[0], wants.shadow, append_index);
+  if (wants.shadow) store_shadow_ray(append_index, shadow);
+  APPEND(connections.count, wants.connection, append_index);
+  if (wants.connection) store_connection(append_index, connection);
 }

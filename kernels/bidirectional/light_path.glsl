@@ -24,7 +24,7 @@ Sampler light_sampler(uint slot) {
   } else {
     uvec2 pixel = slot_pixel(slot);
     owner = pixel.y * frame.width + pixel.x;
-    path = slot_place(slot);
+    path = slot_entry(slot);
     paths = frame.width * frame.height;
   }
   Sampler s = make_sampler(seed, owner, slot_sample(slot), frame.sample_total);
@@ -65,9 +65,9 @@ float cone_pdf(Light light) { return 0.5 * kInvPi / (1.0 - cone_cosine(light)); 
 // Per area of the disk across the scene from which light of infinity is sent.
 float disk_pdf() { return kInvPi / square(bidirectional.scene_radius); }
 
-void start_on_triangle(Light light, uvec2 u_place, vec2 u_direction, inout LightStart start) {
+void start_on_triangle(Light light, uvec2 u_position, vec2 u_direction, inout LightStart start) {
   float density;
-  vec2 weights = sample_light_triangle(light.parts, u_place, density);
+  vec2 weights = sample_light_triangle(light.parts, u_position, density);
   float pdf_area = light.pdf_area * density;
   Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
   Material material = fetch_material(surface.material);
@@ -103,13 +103,13 @@ void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
 }
 
 // `to_light`: of unit length.
-void start_at_infinity(vec3 to_light, vec2 u_place, inout LightStart start) {
+void start_at_infinity(vec3 to_light, vec2 u_position, inout LightStart start) {
   vec3 tangent, bitangent;
   make_basis(to_light, tangent, bitangent);
-  vec2 place = warp_disk(u_place);
+  vec2 position = warp_disk(u_position);
   start.direction = -to_light;
   start.origin = bidirectional.scene_centre +
-                 bidirectional.scene_radius * (to_light + place.x * tangent + place.y * bitangent);
+                 bidirectional.scene_radius * (to_light + position.x * tangent + position.y * bitangent);
   start.distant = true;
   start.weights = PathWeights(1.0 / square(disk_pdf()), 0.0);
 }

@@ -172,8 +172,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       wants_splat = connect_to_camera(v, hit, ray.slot, u, lens, light, weights, splat);
     }
     if (wave.bounce < frame.max_depth && uses_technique(kTechniqueConnect)) {
-      uint place = light_counts[ray.slot]++;
-      store_light_vertex(light_vertex_place(ray.slot, place),
+      uint vertex_index = light_counts[ray.slot]++;
+      store_light_vertex(light_vertex_index(ray.slot, vertex_index),
                          LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1,
                                      hit.b2, weights.others, outside, 0u, 0u));
     }
@@ -205,9 +205,9 @@ void main() {
   if (index < queues.ray_count[wave.bounce & 1u]) shade(index, wants_ray, next, wants_splat, splat);
 
   uint next_queue = (wave.bounce + 1u) & 1u;
-  uint place;
-  APPEND(queues.ray_count[next_queue], wants_ray, place);
-  if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
-  APPEND(connections.count, wants_splat, place);
-  if (wants_splat) store_connection(place, splat);
+  uint append_index;
+  APPEND(queues.ray_count[next_queue], wants_ray, append_index);
+  if (wants_ray) store_ray(next_queue * frame.slot_count + append_index, next);
+  APPEND(connections.count, wants_splat, append_index);
+  if (wants_splat) store_connection(append_index, splat);
 }

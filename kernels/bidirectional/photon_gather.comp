@@ -44,7 +44,7 @@ vec3 light_of(Vertex v, Photon photon) {
 // The list of the k-th of the eight cells that a ball of the radius around the vertex reaches, as place + 1.
 uint list_of(ivec3 lowest, uint k, uint replicate, out ivec3 cell) {
   cell = lowest + ivec3(k & 1u, (k >> 1u) & 1u, k >> 2u);
-  return texelFetch(photon_cell_texels, int(cell_place(cell, replicate))).y;
+  return texelFetch(photon_cell_texels, int(cell_index(cell, replicate))).y;
 }
 
 // Sum over all photons near v of which the camera path has bounces left to take the light.
@@ -65,7 +65,7 @@ vec3 gather(Vertex v, uint replicate) {
         found = is_near(v, photon) && cell_of(photon.position) == cell &&
                 (photon.link >> kPhotonBounceShift) + wave.bounce <= frame.max_depth &&
                 replicate_of_photon(next - 1u) == replicate;
-        next = photon.link & kPhotonPlaceMask;
+        next = photon.link & kPhotonIndexMask;
       }
     } while (!found && (next != 0u || cells < 8u));
     if (found) {

@@ -26,22 +26,22 @@ layout(local_size_x = kWorkgroupSize) in;
 // are as bright as each other, and lie where the light is. `merge_weights` has the sum so far.
 void keep_photon(uint slot, Photon photon, float u) {
   uint replicate = wave.first_sample % kReplicates,
-       place = replicate * photon_frame.path_count + wave.first_pixel + slot;
+       photon_index = replicate * photon_frame.path_count + wave.first_pixel + slot;
   float brightness = luminance(photon.light), before = merge_weights[slot], total = before + brightness;
   merge_weights[slot] = total;
   if (!(brightness > 0.0)) return;
   bool replaces = u * total >= before;
   if (before > 0.0) {
-    Photon earlier = fetch_photon(place);
+    Photon earlier = fetch_photon(photon_index);
     if (replaces)
-      atomicAdd(photon_cells[cell_place(cell_of(earlier.position), replicate)].x, 0xffffffffu); // one less
+      atomicAdd(photon_cells[cell_index(cell_of(earlier.position), replicate)].x, 0xffffffffu); // one less
     else
-      store_photon_light(place, earlier.light * (total / before), earlier.others);
+      store_photon_light(photon_index, earlier.light * (total / before), earlier.others);
   }
   if (!replaces) return;
   photon.light *= total / brightness;
-  store_photon(place, photon);
-  atomicAdd(photon_cells[cell_place(cell_of(photon.position), replicate)].x, 1u);
+  store_photon(photon_index, photon);
+  atomicAdd(photon_cells[cell_index(cell_of(photon.position), replicate)].x, 1u);
 }
 
 // Probability of going on through a delta lobe rather than ending in a photon. It need not fit the lobes, but does
@@ -134,7 +134,7 @@ void main() {
     store_path(ray.slot, path);
   }
   uint next_queue = (wave.bounce + 1u) & 1u;
-  uint place;
-  APPEND(queues.ray_count[next_queue], goes_on, place);
-  if (goes_on) store_ray(next_queue * frame.slot_count + place, next);
+  uint append_index;
+  APPEND(queues.ray_count[next_queue], goes_on, append_index);
+  if (goes_on) store_ray(next_queue * frame.slot_count + append_index, next);
 }

@@ -41,7 +41,7 @@ struct Photon {
   float others; // PathWeights
 };
 GPU_CHECK(sizeof(Photon) == 48);
-GPU_CONSTANT uint kPhotonBounceShift = 20u, kPhotonPlaceMask = (1u << kPhotonBounceShift) - 1u;
+GPU_CONSTANT uint kPhotonBounceShift = 20u, kPhotonIndexMask = (1u << kPhotonBounceShift) - 1u;
 GPU_CONSTANT uint kMostPhotonBounces = 4095u;
 
 struct PhotonCell {

@@ -8,10 +8,10 @@ void store_weights(uint slot, PathWeights weights) { path_weights[slot] = vec2(w
 #endif
 
 #ifdef BIND_LIGHT_VERTICES
-uint light_vertex_place(uint slot, uint k) { return k * frame.slot_count + slot; }
+uint light_vertex_index(uint slot, uint k) { return k * frame.slot_count + slot; }
 
-LightVertex fetch_light_vertex(uint place) {
-  int texel = int(4u * place);
+LightVertex fetch_light_vertex(uint index) {
+  int texel = int(4u * index);
   uvec4 direction_bounce = texelFetch(light_vertex_texels, texel);
   vec4 light_connect = uintBitsToFloat(texelFetch(light_vertex_texels, texel + 1));
   uvec4 hit = texelFetch(light_vertex_texels, texel + 2);
@@ -20,11 +20,11 @@ LightVertex fetch_light_vertex(uint place) {
                      hit.x, hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w), uintBitsToFloat(others_outside.x),
                      others_outside.y, 0u, 0u);
 }
-void store_light_vertex(uint place, LightVertex v) {
-  light_vertex_words[4u * place] = uvec4(floatBitsToUint(v.direction), v.bounce);
-  light_vertex_words[4u * place + 1u] = uvec4(floatBitsToUint(v.light), floatBitsToUint(v.connect));
-  light_vertex_words[4u * place + 2u] = uvec4(v.triangle, v.instance, floatBitsToUint(v.b1), floatBitsToUint(v.b2));
-  light_vertex_words[4u * place + 3u] = uvec4(floatBitsToUint(v.others), v.outside, 0u, 0u);
+void store_light_vertex(uint index, LightVertex v) {
+  light_vertex_words[4u * index] = uvec4(floatBitsToUint(v.direction), v.bounce);
+  light_vertex_words[4u * index + 1u] = uvec4(floatBitsToUint(v.light), floatBitsToUint(v.connect));
+  light_vertex_words[4u * index + 2u] = uvec4(v.triangle, v.instance, floatBitsToUint(v.b1), floatBitsToUint(v.b2));
+  light_vertex_words[4u * index + 3u] = uvec4(floatBitsToUint(v.others), v.outside, 0u, 0u);
 }
 #endif
 

@@ -55,7 +55,7 @@ vec3 shear_vertex(TraversalRay ray, vec3 vertex) {
 }
 
 // Where a ray meets a triangle that it is known to meet.
-struct Place {
+struct HitPoint {
   float t;
   float t_error; // it is a hit if t > t_error
   float apex;    // weights of the first two vertices
@@ -64,7 +64,7 @@ struct Place {
 
 // `apex` is opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Derived in
 // bvh/intersect.h: taken straight from the edge functions, the weights would put hits anywhere along a sliver.
-Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
+HitPoint locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   precise vec2 edge = c.xy - b.xy;
   precise float area = edge.x * (apex.y - b.y) - edge.y * (apex.x - b.x);
   precise float rest = v + w;
@@ -73,24 +73,24 @@ Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
   precise float base = abs(b.z) < abs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
   precise float t = base + weight * (apex.z - base);
-  if (!(abs(area) >= kSmallestNormal)) return Place(0.0, 0.0, 0.0, 0.0);
-  Place place = Place(t, 0.0, weight, (1.0 - weight) * fraction_b);
+  if (!(abs(area) >= kSmallestNormal)) return HitPoint(0.0, 0.0, 0.0, 0.0);
+  HitPoint point = HitPoint(t, 0.0, weight, (1.0 - weight) * fraction_b);
 
   // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
-  if (min(apex.z, min(b.z, c.z)) > 0.0) return place;
+  if (min(apex.z, min(b.z, c.z)) > 0.0) return point;
   const float kEpsilon = 5.9604645e-8;
   float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)),
         extent_c = max(abs(c.x), abs(c.y));
-  float weight_b = place.b, weight_c = (1.0 - weight) * fraction_c;
+  float weight_b = point.b, weight_c = (1.0 - weight) * fraction_c;
   float depths = weight * abs(apex.z) + weight_b * abs(b.z) + weight_c * abs(c.z);
   float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths / abs(ray.shear.z);
   float longest = extent_a + max(extent_b, extent_c);
   float apex_error =
       max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
   float fraction_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
-  place.t_error =
+  point.t_error =
       kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(fraction_error, 16777216.0) * abs(b.z - c.z));
-  return place;
+  return point;
 }
 
 float squared_distance(vec3 p, vec3 q) {
@@ -124,17 +124,17 @@ Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
   // The apex is the vertex opposite the shortest edge, the first on ties.
   float bc = squared_distance(b, c), ca = squared_distance(c, a), ab = squared_distance(a, b);
   bool apex_a = bc <= ca && bc <= ab, apex_b = !apex_a && ca <= ab;
-  Place place = locate(ray, apex_a ? a : apex_b ? b : c, apex_a ? b : apex_b ? c : a, apex_a ? c : apex_b ? a : b,
+  HitPoint point = locate(ray, apex_a ? a : apex_b ? b : c, apex_a ? b : apex_b ? c : a, apex_a ? c : apex_b ? a : b,
                        apex_a ? v : apex_b ? w : u, apex_a ? w : apex_b ? u : v);
-  float rest = 1.0 - place.apex - place.b;
-  return Candidate(place.t,
-                   apex_a   ? place.b
-                   : apex_b ? place.apex
+  float rest = 1.0 - point.apex - point.b;
+  return Candidate(point.t,
+                   apex_a   ? point.b
+                   : apex_b ? point.apex
                             : rest,
                    apex_a   ? rest
-                   : apex_b ? place.b
-                            : place.apex,
-                   inside && abs(determinant) >= kSmallestNormal && place.t > place.t_error,
+                   : apex_b ? point.b
+                            : point.apex,
+                   inside && abs(determinant) >= kSmallestNormal && point.t > point.t_error,
                    (determinant > 0.0) == (ray.shear.z > 0.0));
 }
 

@@ -105,9 +105,9 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
 bool shows_aov() { return (job.shown >= kShowAlbedo && job.shown <= kShowEmission) || job.shown >= kShowOcclusion; }
 
 void main() {
-  uint place = job.first + gl_GlobalInvocationID.x;
-  if (place >= job.width * job.height || place % job.width < job.first_column) return;
-  vec2 at = vec2(place % job.width, place / job.width) + 0.5;
+  uint index = job.first + gl_GlobalInvocationID.x;
+  if (index >= job.width * job.height || index % job.width < job.first_column) return;
+  vec2 at = vec2(index % job.width, index / job.width) + 0.5;
   vec2 film_size = vec2(job.film_width, job.film_height);
   uvec2 film_at = min(uvec2(at * film_size / vec2(job.width, job.height)), uvec2(film_size) - 1u);
   uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
@@ -128,5 +128,5 @@ void main() {
   if (sum.w == 0.0) return;
   uvec3 bytes = uvec3(clamp(encoded(pixel, sum, a, b), 0.0, 1.0) * 255.0 + 0.5);
   if (job.bgra != 0u) bytes = bytes.bgr;
-  screen[place] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;
+  screen[index] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;
 }

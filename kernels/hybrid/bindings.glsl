@@ -25,10 +25,10 @@ layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signal
 layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]; };
 #endif
 
-#ifdef BIND_PLACES
-layout(set = 0, binding = kBindPlaceIds, std430) buffer PlaceIdBlock { uvec2 place_ids[]; };
-layout(set = 0, binding = kBindPlaceSeen, std430) buffer PlaceSeenBlock { vec4 place_seen[]; };
-layout(set = 0, binding = kBindPlaceSignals, std430) buffer PlaceSignalBlock { vec4 place_signals[]; };
+#ifdef BIND_POSITIONS
+layout(set = 0, binding = kBindPositionIds, std430) buffer PositionIdBlock { uvec2 position_ids[]; };
+layout(set = 0, binding = kBindPositionSeen, std430) buffer PositionSeenBlock { vec4 position_seen[]; };
+layout(set = 0, binding = kBindPositionSignals, std430) buffer PositionSignalBlock { vec4 position_signals[]; };
 #endif
 
 #ifdef BIND_JITTERS

@@ -32,9 +32,9 @@ vec3 position_at(uvec2 pixel, float depth) {
 }
 
 // What the G-buffer keeps no place for.
-void describe_surface(uvec2 pixel, uint place, inout PathAovs aovs) {
+void describe_surface(uvec2 pixel, uint pixel_index, inout PathAovs aovs) {
   aovs.roughness = aovs.metallic = 0.0;
-  uvec2 visible = texelFetch(visibility, int(place)).xy;
+  uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
   if (visible.x == kNone) return;
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
@@ -51,23 +51,23 @@ void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(local);
-  uint place = pixel.y * frame.width + pixel.x;
-  GbufferPixel g = gbuffer[place];
-  vec4 signal = signals[place];
+  uint pixel_index = pixel.y * frame.width + pixel.x;
+  GbufferPixel g = gbuffer[pixel_index];
+  vec4 signal = signals[pixel_index];
   bool hit = g.depth > 0.0;
 
   PathAovs sample_;
   sample_.emission = sample_.direct = vec3(0.0);
   vec3 radiance = vec3(hit ? signal.w : 0.0);
   if (wants_lights()) { // otherwise nothing has a place in `seen`
-    vec4 emission_diffuse = seen[place];
+    vec4 emission_diffuse = seen[pixel_index];
     sample_.emission = emission_diffuse.rgb;
     if (hit) sample_.direct = demodulation(g.albedo) * signal.rgb;
     vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
     radiance = sample_.emission + sample_.direct + ambient;
   }
-  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
-  if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[place].rgb + layers[place].a * radiance;
+  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[pixel_index].rgb;
+  if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[pixel_index].rgb + layers[pixel_index].a * radiance;
   uint film_index = wave.first_pixel + local - wave.first_film_pixel;
   // `seen` holds the emission until then.
   if (has(kFeatureAovs) && (hybrid.flags & kHybridFromColor) == 0u && is_finite(radiance)) {
@@ -77,11 +77,11 @@ void main() {
     sample_.hit = hit ? 1.0 : 0.0;
     sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
     sample_.unoccluded = signal.w;
-    describe_surface(pixel, place, sample_);
+    describe_surface(pixel, pixel_index, sample_);
     accumulate_aovs(film_index, sample_);
   }
   if ((hybrid.flags & kHybridToColor) != 0u) {
-    seen[place] = vec4(radiance, 0.0);
+    seen[pixel_index] = vec4(radiance, 0.0);
     return;
   }
   if (!is_finite(radiance)) return;

@@ -55,9 +55,9 @@ void main() {
   for (int y = -2; y <= 2; ++y) {
     for (int x = -2; x <= 2; ++x) {
       ivec2 offset = ivec2(x, y) * step;
-      int place = pixel_index(pixel + offset);
-      uvec4 there = texelFetch(guide_in, place);
-      vec4 other = texelFetch(color_in, place);
+      int index = pixel_index(pixel + offset);
+      uvec4 there = texelFetch(guide_in, index);
+      vec4 other = texelFetch(color_in, index);
       Likeness likeness = compare_shapes(here, normal, slope, there, vec2(offset));
       float fraction = in_picture(pixel + offset) ? spline(x) * spline(y) * likeness.weight : 0.0;
       vec2 unlike = mix(vec2(0.0), abs(values(other) - value) / tolerance, known); // a centre without a value takes any

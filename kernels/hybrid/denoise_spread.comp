@@ -22,11 +22,11 @@ void main() {
   for (int y = -1; y <= 1; ++y) {
     for (int x = -1; x <= 1; ++x) {
       ivec2 offset = ivec2(x, y) * step;
-      int place = pixel_index(pixel + offset);
-      Likeness likeness = compare_shapes(here, normal, slope, texelFetch(guide_in, place), vec2(offset));
+      int index = pixel_index(pixel + offset);
+      Likeness likeness = compare_shapes(here, normal, slope, texelFetch(guide_in, index), vec2(offset));
       float fraction = in_picture(pixel + offset) ? likeness.weight / float(1 << (abs(x) + abs(y))) : 0.0;
       float weight = fraction * exp(-likeness.distance);
-      sum += weight * texelFetch(color_in, place).xyz;
+      sum += weight * texelFetch(color_in, index).xyz;
       weights += weight;
     }
   }

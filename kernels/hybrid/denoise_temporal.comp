@@ -43,17 +43,17 @@ void add_tap(inout Past past, ivec2 tap, float weight, uvec4 here, vec3 normal, 
 
 Past find_past(ivec2 pixel, uvec4 here, vec2 slope) {
   Past past = Past(vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
-  vec3 place = place_before(pixel, seen(here) ? seen_depth(pixel_index(pixel)) : 0.0);
-  bool visible = seen(here) && frames.remembers != 0u && place.z > 0.0 &&
-                 all(greaterThan(place.xy, vec2(-1.0))) && all(lessThan(place.xy, vec2(picture_size())));
+  vec3 position = position_before(pixel, seen(here) ? seen_depth(pixel_index(pixel)) : 0.0);
+  bool visible = seen(here) && frames.remembers != 0u && position.z > 0.0 &&
+                 all(greaterThan(position.xy, vec2(-1.0))) && all(lessThan(position.xy, vec2(picture_size())));
   if (!visible) return past;
   vec3 normal = unpack_normal(here.x);
-  float expected = to_disparity(place.z);
+  float expected = to_disparity(position.z);
   // Taps lie within one pixel of the place, and jitter moves what they sampled by up to one more.
   float tolerance = 2.0 * (abs(slope.x) + abs(slope.y)) + kDisparitySlack * expected;
 
-  ivec2 corner = ivec2(floor(place.xy));
-  vec2 part = place.xy - vec2(corner);
+  ivec2 corner = ivec2(floor(position.xy));
+  vec2 part = position.xy - vec2(corner);
   for (int i = 0; i < 4; ++i) {
     ivec2 side = ivec2(i & 1, i >> 1);
     vec2 fractions = mix(1.0 - part, part, bvec2(side));
@@ -63,7 +63,7 @@ Past find_past(ivec2 pixel, uvec4 here, vec2 slope) {
   const float kLeastWeight = 0.01;
   bool around = any(lessThan(past.weights, vec2(kLeastWeight)));
   if (around) past = Past(vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
-  ivec2 nearest = ivec2(floor(place.xy + 0.5));
+  ivec2 nearest = ivec2(floor(position.xy + 0.5));
   for (int i = 0; i < (around ? 9 : 0); ++i)
     add_tap(past, nearest + ivec2(i % 3, i / 3) - 1, 1.0, here, normal, expected, tolerance);
   return past;

@@ -28,12 +28,12 @@ vec3 corner_position(uint triangle, uint corner, uint instance) {
 // Of the point q / w, relative to the eye; w = 0: in the direction of q at infinity.
 vec4 clip_point(vec3 q, float w) {
   // The inverse of camera_ray(): right, up and forward are at right angles.
-  vec2 place = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
+  vec2 position = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
                     dot(q, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
   float depth = dot(q, frame.camera_forward);
   // Pixels are sampled in their centres, so that the picture moves against the jitter. Clip space has y downwards.
   vec2 shift = 2.0 * hybrid.jitter / vec2(frame.width, frame.height);
-  vec2 flipped = vec2(place.x, -place.y);
+  vec2 flipped = vec2(position.x, -position.y);
   return is_orthographic() ? vec4(flipped - shift * w, w - depth / hybrid.far, w)
                            : vec4(flipped - shift * depth, hybrid.near * w, depth);
 }

@@ -27,8 +27,8 @@ void main() {
     ++count;
   }
   uvec2 pixel = slot_pixel(local);
-  uint place = pixel.y * frame.width + pixel.x;
+  uint pixel_index = pixel.y * frame.width + pixel.x;
   // A place that nothing is known of is NaN, which the film leaves out.
   vec3 mean = count > 0u ? sum / float(count) : uintBitsToFloat(uvec3(0x7fc00000u));
-  signals[place].xyz = mean / demodulation(gbuffer[place].albedo);
+  signals[pixel_index].xyz = mean / demodulation(gbuffer[pixel_index].albedo);
 }

@@ -19,11 +19,11 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, share of light they let pass
-// Of kSharingPlaces frames that see a pixel at a place each and share shading (kHybridMultisample), a picture after the
-// other: what they saw, and kBindSeen and kBindSignals of those that shaded it.
-GPU_CONSTANT uint kBindPlaceIds = 82u;     // storage uvec2[]
-GPU_CONSTANT uint kBindPlaceSeen = 83u;    // storage vec4[]
-GPU_CONSTANT uint kBindPlaceSignals = 84u; // storage vec4[]
+// Of kMultisamplePositions frames that see a pixel at a place each and share shading (kHybridMultisample), a picture
+// after the other: what they saw, and kBindSeen and kBindSignals of those that shaded it.
+GPU_CONSTANT uint kBindPositionIds = 82u;     // storage uvec2[]
+GPU_CONSTANT uint kBindPositionSeen = 83u;    // storage vec4[]
+GPU_CONSTANT uint kBindPositionSignals = 84u; // storage vec4[]
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
@@ -37,11 +37,11 @@ struct HybridFrame {
   uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
-  uint flags;        // kHybrid bits
-  float ao_bias;     // of horizons over the tangent plane, radians
-  float ao_thinness; // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
-  uint sample_place; // kHybridMultisample: of the frame among kSharingPlaces
-  uint first_place;  // from which on those before it are known
+  uint flags;           // kHybrid bits
+  float ao_bias;        // of horizons over the tangent plane, radians
+  float ao_thinness;    // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
+  uint sample_position; // kHybridMultisample: of the frame among kMultisamplePositions
+  uint first_position;  // from which on those before it are known
 };
 GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
@@ -51,9 +51,9 @@ GPU_CONSTANT uint kHybridToColor = 1u << 2;     // composite leaves the frame in
 GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // and takes it from there
 GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
-GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPlaceIds
+GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPositionIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
-GPU_CONSTANT uint kSharingPlaces = 4u;         // in a pixel
+GPU_CONSTANT uint kMultisamplePositions = 4u;  // in a pixel
 GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 
 // What rasterization found, as filters need it.

@@ -61,7 +61,7 @@ void main() {
   count_rays(hit.triangle != kNone);
   if (local >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(local);
-  uint place = pixel.y * frame.width + pixel.x;
-  signals[place].w =
-      hit.triangle == kNone ? 0.0 : unoccluded(hit, gbuffer[place].normal, -fetch_ray(local).direction, place);
+  uint pixel_index = pixel.y * frame.width + pixel.x;
+  signals[pixel_index].w =
+      hit.triangle == kNone ? 0.0 : unoccluded(hit, gbuffer[pixel_index].normal, -fetch_ray(local).direction, pixel_index);
 }

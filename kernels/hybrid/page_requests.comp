@@ -16,9 +16,9 @@ void main() {
   float reach = 1.0 + (shadow.bias_kind == kBiasNormal ? shadow.bias : 0.0);
   for (uint index = 0u; index < shadow.view_count; ++index) {
     ShadowView v = fetch_shadow_view(index);
-    vec2 place;
-    if (!place_in_view(v, position, place)) continue;
-    uvec2 lo = page_of(ivec2(floor(place - reach))), hi = page_of(ivec2(floor(place + reach)));
+    vec2 projected;
+    if (!project_to_view(v, position, projected)) continue;
+    uvec2 lo = page_of(ivec2(floor(projected - reach))), hi = page_of(ivec2(floor(projected + reach)));
     for (uint y = lo.y; y <= hi.y; ++y)
       for (uint x = lo.x; x <= hi.x; ++x) {
         uint page = v.first_texel + y * pages_across() + x;

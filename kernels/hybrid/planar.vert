@@ -33,11 +33,11 @@ void main() {
   float w = pair.height - height * pair.is_point;
   vec3 q =
       pair.height * (position - frame.camera_position) - height * (pair.light - pair.is_point * frame.camera_position);
-  vec2 place = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
+  vec2 position = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
                     dot(q, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
   float depth = dot(q, frame.camera_forward);
   vec2 shift = 2.0 * hybrid.jitter / vec2(frame.width, frame.height);
-  vec2 flipped = vec2(place.x, -place.y);
+  vec2 flipped = vec2(position.x, -position.y);
   gl_Position = is_orthographic() ? vec4(flipped - shift * w, 0.5 * w, w)
                                   : vec4(flipped - shift * depth, hybrid.near * w, depth);
 }

@@ -46,7 +46,7 @@ vec3 shown_at(CameraView view, vec3 offset) {
 //
 // A pixel stands for its whole area, of which each frame samples one place; so jitter is no motion. While the camera
 // stands still, history stays in its pixel and is not blurred by resampling.
-vec3 place_before(ivec2 pixel, float depth) {
+vec3 position_before(ivec2 pixel, float depth) {
   bool parallel = frames.now.orthographic != 0u;
   if (frames.still != 0u || (parallel && depth == 0.0)) return vec3(pixel, depth);
   vec2 sampled = vec2(pixel) + 0.5 + jitter(frames.now);

@@ -13,10 +13,10 @@
 #define BIND_VISIBILITY
 #define BIND_GBUFFER
 #define BIND_SEEN
-#define BIND_PLACES
+#define BIND_POSITIONS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/hybrid/covered_places.glsl"
+#include "kernels/hybrid/covered_positions.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/bvh/known_triangle.glsl"
@@ -35,7 +35,7 @@ layout(local_size_x = kWorkgroupSize) in;
 // this. 2 frames, llvmpipe.)
 const float kSmooth = 0.3; // roughness
 
-GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out float diffuse) {
+GbufferPixel gbuffer_of(Hit hit, uint pixel_index, vec3 origin, vec3 direction, out float diffuse) {
   diffuse = 0.0;
   if (hit.triangle == kNone) return GbufferPixel(vec3(0.0), 0.0, vec3(0.0), kNone);
   Surface surface = fetch_surface(hit);
@@ -57,7 +57,7 @@ GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out fl
   }
   pixel.albedo = wants_lights() ? base_color(material, surface.uv, surface.color).rgb : vec3(1.0);
   pixel.surface = surface.material ^ placed * 0x9e3779b9u; // golden ratio: spreads instances over the words
-  if (roughness < kSmooth && diffuse < 0.5) pixel.surface = ~place;
+  if (roughness < kSmooth && diffuse < 0.5) pixel.surface = ~pixel_index;
   return pixel;
 }
 
@@ -71,16 +71,16 @@ void main() {
   if (local >= wave.pixel_count) return;
 
   uvec2 pixel = slot_pixel(local);
-  uint place = pixel.y * frame.width + pixel.x;
+  uint pixel_index = pixel.y * frame.width + pixel.x;
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
-  uvec2 visible = texelFetch(visibility, int(place)).xy;
+  uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
   if (visible.x != kNone) hit = hit_of_triangle(visible.x, visible.y, origin, direction);
   float diffuse;
-  gbuffer[place] = gbuffer_of(hit, place, origin, direction, diffuse);
-  if (wants_lights()) seen[place] = vec4(vec3(0.0), diffuse);
-  bool shades = !multisamples() || shading_place(place) == hybrid.sample_place;
+  gbuffer[pixel_index] = gbuffer_of(hit, pixel_index, origin, direction, diffuse);
+  if (wants_lights()) seen[pixel_index] = vec4(vec3(0.0), diffuse);
+  bool shades = !multisamples() || shading_position(pixel_index) == hybrid.sample_position;
   if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;

@@ -6,10 +6,10 @@
 #define BIND_VISIBILITY
 #define BIND_SIGNALS
 #define BIND_SEEN
-#define BIND_PLACES
+#define BIND_POSITIONS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/hybrid/covered_places.glsl"
+#include "kernels/hybrid/covered_positions.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -17,14 +17,14 @@ layout(local_size_x = kWorkgroupSize) in;
 // Push constant: first_pixel = the first one, row by row from the top left, pixel_count = how many.
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
-  uint place = wave.first_pixel + gl_GlobalInvocationID.x;
-  uint entry = place_entry(shading_place(place), place), own = place_entry(hybrid.sample_place, place);
-  place_ids[own] = texelFetch(visibility, int(place)).xy;
-  if (entry != own) {
-    signals[place] = place_signals[entry];
-    if (wants_lights()) seen[place] = place_seen[entry];
+  uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
+  uint other = position_index(shading_position(pixel_index), pixel_index), own = position_index(hybrid.sample_position, pixel_index);
+  position_ids[own] = texelFetch(visibility, int(pixel_index)).xy;
+  if (other != own) {
+    signals[pixel_index] = position_signals[other];
+    if (wants_lights()) seen[pixel_index] = position_seen[other];
     return;
   }
-  place_signals[own] = signals[place];
-  if (wants_lights()) place_seen[own] = seen[place]; // otherwise nothing has a place in `seen`
+  position_signals[own] = signals[pixel_index];
+  if (wants_lights()) position_seen[own] = seen[pixel_index]; // otherwise nothing has a place in `seen`
 }

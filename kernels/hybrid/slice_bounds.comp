@@ -16,8 +16,8 @@ void main() {
   uint parts = wave.sample_count, part = 0u;
   while (part + 1u < parts && depth > uintBitsToFloat(frame_words[part])) ++part;
   for (uint view = part; view < shadow.view_count; view += parts) {
-    vec4 place = view_position(fetch_shadow_view(view), position);
-    take_in(parts + 4u * view, place.x);
-    take_in(parts + 4u * view + 2u, place.y);
+    vec4 position = view_position(fetch_shadow_view(view), position);
+    take_in(parts + 4u * view, position.x);
+    take_in(parts + 4u * view + 2u, position.y);
   }
 }

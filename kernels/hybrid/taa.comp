@@ -36,8 +36,8 @@ vec2 motion(ivec2 pixel) {
       nearest = there;
     }
   }
-  vec3 place = place_before(nearest, depth == kFar ? 0.0 : depth);
-  return place.z > 0.0 || frames.still != 0u ? place.xy - vec2(nearest) : vec2(kFar);
+  vec3 position = position_before(nearest, depth == kFar ? 0.0 : depth);
+  return position.z > 0.0 || frames.still != 0u ? position.xy - vec2(nearest) : vec2(kFar);
 }
 
 // Catmull-Rom's weights of the four pixels around a place, `part` after the second.
@@ -48,9 +48,9 @@ vec4 cubic(float part) {
 }
 
 // The history at `place`: sharp where it can be, within the nearest four pixels so that it cannot ring. w: its frames.
-vec4 history_at(vec2 place) {
-  ivec2 corner = ivec2(floor(place));
-  vec2 part = place - vec2(corner);
+vec4 history_at(vec2 position) {
+  ivec2 corner = ivec2(floor(position));
+  vec2 part = position - vec2(corner);
   vec4 across = cubic(part.x), down = cubic(part.y);
   vec3 sum = vec3(0.0), low = vec3(kFar), high = vec3(-kFar);
   float frames_in = kMostFrames;
@@ -98,10 +98,10 @@ void main() {
   mean /= max(count, 1.0);
   vec3 deviation = sqrt(max(squares / max(count, 1.0) - mean * mean, 0.0));
 
-  vec2 place = vec2(pixel) + motion(pixel);
+  vec2 position = vec2(pixel) + motion(pixel);
   bool past =
-      frames.remembers != 0u && all(greaterThan(place, vec2(-0.5))) && all(lessThan(place, vec2(picture_size()) - 0.5));
-  vec4 history = past ? history_at(place) : vec4(0.0);
+      frames.remembers != 0u && all(greaterThan(position, vec2(-0.5))) && all(lessThan(position, vec2(picture_size()) - 0.5));
+  vec4 history = past ? history_at(position) : vec4(0.0);
   if (count > 0.0) history.xyz = clip(history.xyz, mean, deviation);
 
   vec3 color = texelFetch(color_in, index).xyz;

@@ -18,11 +18,11 @@ layout(set = 0, binding = kBindShadowScratch, std430) buffer FrameWordBlock { ui
 // many. The same bits as `resolve` finds. False where nothing is seen.
 bool visible_point(out vec3 position, out float depth) {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return false;
-  uint place = wave.first_pixel + gl_GlobalInvocationID.x;
-  uvec2 visible = texelFetch(visibility, int(place)).xy;
+  uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
+  uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
   if (visible.x == kNone) return false;
   vec3 origin, direction;
-  hybrid_camera_ray(uvec2(place % frame.width, place / frame.width), origin, direction);
+  hybrid_camera_ray(uvec2(pixel_index % frame.width, pixel_index / frame.width), origin, direction);
   position = fetch_surface(hit_of_triangle(visible.x, visible.y, origin, direction)).position;
   depth = dot(position - origin, frame.camera_forward);
   return true;

@@ -56,7 +56,7 @@ vec3 environment_emission(vec3 direction, out float pdf) {
   if (!has(kFeatureEnvironment)) return vec3(0.0);
   if (has_environment_map()) {
     vec3 radiance =
-        environment_map_radiance(environment_place(environment_from_world(direction, frame.environment_rotation)), pdf);
+        environment_map_radiance(environment_point(environment_from_world(direction, frame.environment_rotation)), pdf);
     pdf *= frame.environment_probability;
     return frame.environment_radiance * radiance;
   }
@@ -111,9 +111,9 @@ LightSample sample_environment(uvec2 u) {
   LightSample s = no_light();
   s.distant = true;
   if (has_environment_map()) {
-    EnvironmentPlace place;
-    s.direction = sample_environment_map(u, place);
-    s.radiance = frame.environment_radiance * environment_map_radiance(place, s.pdf);
+    EnvironmentPoint at;
+    s.direction = sample_environment_map(u, at);
+    s.radiance = frame.environment_radiance * environment_map_radiance(at, s.pdf);
   } else {
     s.direction = warp_uniform_sphere(unit_float(u));
     s.pdf = warp_uniform_sphere_pdf();

@@ -53,12 +53,12 @@ uvec2 sky_part(vec3 direction) {
   if (!has(kFeatureEnvironmentMap) || frame.environment_width == 0u)
     return min(uvec2(max(sky_numbers(direction), 0.0) * float(kSkySide)), uvec2(kSkySide - 1u));
   vec3 d = environment_from_world(direction, frame.environment_rotation);
-  EnvironmentPlace place = environment_place(d);
-  uvec2 texel = place.texel;
+  EnvironmentPoint at = environment_point(d);
+  uvec2 texel = at.texel;
   first_column = frame.environment_height + texel.y * frame.environment_width;
   uvec2 begin = uvec2(texel.x > 0u ? column_end(texel.x - 1u) : 0u, texel.y > 0u ? row_end(texel.y - 1u) : 0u);
   uvec2 end = uvec2(column_end(texel.x), row_end(texel.y));
-  float across = place.position.x - float(texel.x),
+  float across = at.position.x - float(texel.x),
         down = environment_row_fraction(d, texel.y, frame.environment_height);
   vec2 fraction = clamp(vec2(across, down), 0.0, 1.0);
   uvec2 width = max(end - begin, uvec2(1u));

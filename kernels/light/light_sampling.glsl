@@ -183,8 +183,8 @@ float light_triangle_density(uint parts, vec2 weights) {
   uint depth = parts >> kPartDepthShift;
   if (!has(kFeatureEmissionTextures) || depth == 0u) return 1.0;
   find_parts(parts);
-  uint part, cell, cell_end, place = cell_at(depth, weights);
-  PICK_INTERVAL(place, part_count, part_cell_end, part, cell, cell_end)
+  uint part, cell, cell_end, at = cell_at(depth, weights);
+  PICK_INTERVAL(at, part_count, part_cell_end, part, cell, cell_end)
   cell_end = min(cell_end, 1u << (2u * depth));
   return part_density(depth, cell_end - cell, part > 0u ? part_end(part - 1u) : 0u, part_end(part));
 }
@@ -192,22 +192,22 @@ float light_triangle_density(uint parts, vec2 weights) {
 
 #ifdef BIND_ENVIRONMENT
 // A direction as the map has it.
-struct EnvironmentPlace {
+struct EnvironmentPoint {
   vec2 position; // in texels
   uvec2 texel;   // column and row of the one that it is in
 };
 
-EnvironmentPlace environment_place(vec3 d) { // of a direction in the map's basis
+EnvironmentPoint environment_point(vec3 d) { // of a direction in the map's basis
   uvec2 size = uvec2(frame.environment_width, frame.environment_height);
   vec2 position = environment_uv(d) * vec2(size);
-  return EnvironmentPlace(position, min(uvec2(position), size - 1u));
+  return EnvironmentPoint(position, min(uvec2(position), size - 1u));
 }
 
 // Radiance there, interpolated between texel centres (u wraps, v ends at the poles), and the density per solid angle
 // with which sample_environment_map finds a direction in the texel: one of the four between which is interpolated.
-vec3 environment_map_radiance(EnvironmentPlace place, out float pdf) {
-  ivec2 size = ivec2(frame.environment_width, frame.environment_height), texel = ivec2(place.texel);
-  vec2 position = place.position - 0.5;
+vec3 environment_map_radiance(EnvironmentPoint at, out float pdf) {
+  ivec2 size = ivec2(frame.environment_width, frame.environment_height), texel = ivec2(at.texel);
+  vec2 position = at.position - 0.5;
   vec2 first = floor(position), weight = position - first;
   int left = int(first.x) < 0 ? size.x - 1 : int(first.x);
   int right = left + 1 == size.x ? 0 : left + 1;
@@ -218,7 +218,7 @@ vec3 environment_map_radiance(EnvironmentPlace place, out float pdf) {
        lower_right = texelFetch(environment, lower * size.x + right);
   vec2 column = texel.x == left ? vec2(upper_left.w, lower_left.w) : vec2(upper_right.w, lower_right.w);
   float probability = texel.y == upper ? column.x : column.y;
-  pdf = probability / environment_texel_solid_angle(place.texel.y, frame.environment_width, frame.environment_height);
+  pdf = probability / environment_texel_solid_angle(at.texel.y, frame.environment_width, frame.environment_height);
   return mix(mix(upper_left.rgb, upper_right.rgb, weight.x), mix(lower_left.rgb, lower_right.rgb, weight.x), weight.y);
 }
 
@@ -234,7 +234,7 @@ uint column_cut(uint cut) { return texelFetch(environment_ends, int(first_cut + 
 // World direction chosen in proportion to the map, and its place there. By inversion, first of the distribution of
 // rows, then of the columns in the row (pbrt-v4, section A.5.6): near numbers give near directions, so that nets stay
 // nets. Picks from an alias table have 4 to 40 times the squared error at 128 samples.
-vec3 sample_environment_map(uvec2 u, out EnvironmentPlace place) {
+vec3 sample_environment_map(uvec2 u, out EnvironmentPoint at) {
   uint width = frame.environment_width, height = frame.environment_height;
   u = min(u, uvec2(kLargestPick));
   uint begin, end;
@@ -247,7 +247,7 @@ vec3 sample_environment_map(uvec2 u, out EnvironmentPlace place) {
   u.x = stretch(u.x - begin, end - begin);
   vec2 position;
   vec3 d = environment_texel_direction(texel.x, texel.y, width, height, unit_float(u), position);
-  place = EnvironmentPlace(position, texel);
+  at = EnvironmentPoint(position, texel);
   return world_from_environment(d, frame.environment_rotation);
 }
 #endif

@@ -34,10 +34,10 @@ Receiver unpack_receiver(uvec4 words) {
 // they look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above
 // 0 cells are 4^level times as wide: from these a pilot learns where it saw little.
 uint light_cell(Receiver receiver, int level) {
-  vec3 place = receiver.position - frame.camera_position;
+  vec3 offset = receiver.position - frame.camera_position;
   uint exponent =
-      clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
-  ivec3 cell = ivec3(floor(place / uintBitsToFloat(exponent << 23u)));
+      clamp(floatBitsToUint(max_component(abs(offset))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
+  ivec3 cell = ivec3(floor(offset / uintBitsToFloat(exponent << 23u)));
   vec3 n = receiver.normal, size = abs(n);
   uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
   uint facing = n == vec3(0.0) ? 6u : 2u * axis + (n[axis] < 0.0 ? 1u : 0u);

@@ -41,14 +41,14 @@ uint pane_count;       // panes that the ray has passed
 bool is_pane_too_many() { return pane_count + wave.bounce >= frame.max_depth; }
 
 // Whether the ray goes on behind a surface that may be a pane, or a wall, there. `place`: along the ray.
-bool passes_pane(Hit hit, float place) {
+bool passes_pane(Hit hit, float distance_) {
   Surface surface = fetch_surface(hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), shadow_direction);
   ++pane_count;
   bool is_wall = uses_walls() && is_unbending_wall(v.bsdf);
   vec3 passed = is_wall || is_pane(v.bsdf) ? pane_transmittance(v.bsdf, dot(v.wo, v.normal)) : vec3(0.0);
   if (is_pane_too_many() || !(max_component(passed) > 0.0)) return false;
-  if (is_wall && has(kFeatureVolume)) return keep_wall(v.surface.material, v.front, place, min(passed, vec3(1.0)));
+  if (is_wall && has(kFeatureVolume)) return keep_wall(v.surface.material, v.front, distance_, min(passed, vec3(1.0)));
   uvec3 steps =
       uvec3(shadow_steps(min(passed.x, 1.0)), shadow_steps(min(passed.y, 1.0)), shadow_steps(min(passed.z, 1.0)));
   steps = mix(uvec3(kOpaqueShadow), steps, greaterThan(passed, vec3(0.0)));
@@ -72,13 +72,13 @@ void begin_shadow() { restart_shadow(); }
 
 // Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it.
 // `place`: of the hit along the ray.
-bool lets_light_through(Hit hit, float place) {
+bool lets_light_through(Hit hit, float distance_) {
 #ifdef SHADOW_PASSES_PANES
   uint flags = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
   if (uses(kFeaturePanes) && (flags & kTrianglePane) != 0u) {
     // Through a hole or through the glass: the two differ in bounces, so a coin decides, as for rays of paths.
     if (has(kFeatureAlpha) && (flags & kTriangleAlpha) != 0u && is_hole(hit, path_sampler, kHashConnect)) return true;
-    return passes_pane(hit, place);
+    return passes_pane(hit, distance_);
   }
 #endif
   float passed = 1.0 - hit_opacity(hit, SHADOW_SEES_UNLIT);

@@ -21,23 +21,23 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 // Adds the place's samples first, first + step, ... to one entry of the film: read once, written once.
-void accumulate_replicate(WavePart part, uint first_slot, uint entry, uint first, uint step_) {
+void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint first, uint step_) {
   if (first >= part.samples) return;
-  FilmPixel pixel = fetch_film_pixel(entry);
+  FilmPixel pixel = fetch_film_pixel(offset);
   for (uint s = first; s < part.samples; s += step_) {
-    uint slot = first_slot + s * part.places;
+    uint slot = first_slot + s * part.entries;
     vec3 radiance = gathered_radiance(slot);
     if (is_finite(radiance)) add_sample(pixel, radiance);
   }
-  store_film_pixel(entry, pixel);
+  store_film_pixel(offset, pixel);
 }
 
 void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
   WavePart part = even_part(wave);
-  if (has(kFeatureAdaptive)) part = part_of_place(wave, local);
-  uint film_index = wave_pixel(local) - wave.first_film_pixel, first_slot = part.first_slot + local - part.first_place;
+  if (has(kFeatureAdaptive)) part = part_of_entry(wave, local);
+  uint film_index = wave_pixel(local) - wave.first_film_pixel, first_slot = part.first_slot + local - part.first_entry;
   if (has_error_probes()) {
     accumulate_replicate(part, first_slot, film_index, 0u, 1u);
   } else {
@@ -47,7 +47,7 @@ void main() {
   }
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < part.samples; ++s) {
-    uint slot = first_slot + s * part.places;
+    uint slot = first_slot + s * part.entries;
     if (is_finite(gathered_radiance(slot))) accumulate_aovs(film_index, path_aovs[slot]);
   }
 }

@@ -18,7 +18,7 @@ layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs 
 layout(set = 0, binding = kBindReceivers, std430) writeonly buffer ReceiverBlock { uvec4 receiver_words[]; };
 layout(set = 0, binding = kBindReceiverTexels) uniform usamplerBuffer receiver_texels;
 // Behind the samplers that generate keeps (path_sampler.glsl).
-uint receiver_place(uint slot) { return has(kFeatureAdaptive) ? frame.slot_count + slot : slot; }
+uint receiver_index(uint slot) { return has(kFeatureAdaptive) ? frame.slot_count + slot : slot; }
 #endif
 
 #ifdef BIND_LIGHT_SUMS

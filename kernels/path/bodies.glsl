@@ -42,19 +42,19 @@ uint current_body(uint slot) {
 const uint kBodiesOfPath = 0u, kBodiesHere = 1u, kBodiesBehind = 2u;
 
 uvec4 fetch_bodies(uint kind, uint slot) {
-  uint place = kind * frame.slot_count + slot;
-  if (!is_nested()) return one_body(path_media[place]);
-  uvec2 words = uvec2(path_media[2u * place], path_media[2u * place + 1u]);
+  uint index = kind * frame.slot_count + slot;
+  if (!is_nested()) return one_body(path_media[index]);
+  uvec2 words = uvec2(path_media[2u * index], path_media[2u * index + 1u]);
   return uvec4(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu, words.y >> 16u);
 }
 
 void store_bodies(uint kind, uint slot, uvec4 bodies) {
-  uint place = kind * frame.slot_count + slot;
+  uint index = kind * frame.slot_count + slot;
   if (is_nested()) {
-    path_media[2u * place] = bodies.x | bodies.y << 16u;
-    path_media[2u * place + 1u] = bodies.z | bodies.w << 16u;
+    path_media[2u * index] = bodies.x | bodies.y << 16u;
+    path_media[2u * index + 1u] = bodies.z | bodies.w << 16u;
   } else {
-    path_media[place] = bodies.x == kNoBody ? kNone : bodies.x;
+    path_media[index] = bodies.x == kNoBody ? kNone : bodies.x;
   }
 }
 

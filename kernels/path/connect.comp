@@ -59,7 +59,7 @@ void tally(Receiver receiver, uint first, uint bins, uint bin, uint brought, boo
 bool is_to_sky(ShadowRay ray) { return SAMPLES_SKY && ray.light == kNone; }
 
 void tally(ShadowRay ray, bool blocked) {
-  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(receiver_place(ray.slot))));
+  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(receiver_index(ray.slot))));
   float units = luminance(ray.contribution) * frame.light_sum_scale;
   uint brought = units > 0.0 ? uint(min(units, 1e9)) : 0u; // NaN: nothing
   bool is_environment = ray.light >= placed_lights();

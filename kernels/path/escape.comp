@@ -20,16 +20,16 @@
 #include "kernels/path/escape.glsl"
 #include "kernels/path/guide.glsl"
 #include "kernels/path/nonfinite.glsl"
-#include "kernels/path/queue_place.glsl"
+#include "kernels/path/queue_item.glsl"
 #include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
-  uint index = queue_place();
+  uint index = queue_item();
   if (index >= queues.escape_count) return;
-  uint place = texelFetch(sorted_ray_texels, int(frame.slot_count - 1u - index)).x;
-  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + place);
+  uint ray_index = texelFetch(sorted_ray_texels, int(frame.slot_count - 1u - index)).x;
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + ray_index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   if (has(kFeatureTraining)) {

@@ -46,13 +46,13 @@ void end_ray(uint index, Hit hit) {
   store_hit(index, hit);
   if (kSort == kSortNone) return;
   bool escapes = hit.triangle == kNone;
-  uint place, from_back = 0u;
-  APPEND(queues.hit_count, !escapes, place);
+  uint sorted_index, from_back = 0u;
+  APPEND(queues.hit_count, !escapes, sorted_index);
   if (kSort == kSortEscapes) {
     APPEND(queues.escape_count, escapes, from_back);
-    place = escapes ? frame.slot_count - 1u - from_back : place;
+    sorted_index = escapes ? frame.slot_count - 1u - from_back : sorted_index;
   }
-  if (!escapes || kSort == kSortEscapes) sorted_rays[place] = index;
+  if (!escapes || kSort == kSortEscapes) sorted_rays[sorted_index] = index;
 }
 
 #define RAY_COUNT queues.ray_count[wave.bounce & 1u]

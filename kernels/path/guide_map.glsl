@@ -18,15 +18,15 @@ float azimuth_across(float azimuth, out bool behind) {
   return behind ? 2.0 - turn : turn;
 }
 
-vec2 map_place(vec3 d) {
+vec2 map_position(vec3 d) {
   float across = d.z / max(abs(d.x) + abs(d.z), 1e-30);
   return clamp(vec2(0.25 * (d.x < 0.0 ? 3.0 - across : 1.0 + across), 0.5 * d.y + 0.5), 0.0, kOneMinusEpsilon);
 }
 
-vec3 map_direction(vec2 place) {
+vec3 map_direction(vec2 position) {
   bool behind;
-  float across = azimuth_across(place.x, behind), along = 1.0 - abs(across);
-  float y = 2.0 * place.y - 1.0;
+  float across = azimuth_across(position.x, behind), along = 1.0 - abs(across);
+  float y = 2.0 * position.y - 1.0;
   float scale = sqrt(max((1.0 - y) * (1.0 + y), 0.0) / (across * across + along * along));
   return vec3((behind ? -along : along) * scale, y, across * scale);
 }
@@ -46,11 +46,11 @@ vec4 map_quad(uint map, uvec2 quad) {
 
 // Per solid angle.
 float map_pdf(uint map, vec3 direction) {
-  vec2 place = map_place(direction);
-  uvec2 cell = uvec2(place * float(kGuideSide));
+  vec2 position = map_position(direction);
+  uvec2 cell = uvec2(position * float(kGuideSide));
   vec4 quad = map_quad(map, cell >> 1u);
   vec2 pair = (cell.y & 1u) == 0u ? quad.xy : quad.zw;
-  return ((cell.x & 1u) == 0u ? pair.x : pair.y) * map_stretch(place.x);
+  return ((cell.x & 1u) == 0u ? pair.x : pair.y) * map_stretch(position.x);
 }
 
 // The four weights of a column or, of columns, their sums: which one takes u, which is stretched to [0, 1) again.
@@ -93,8 +93,8 @@ vec3 sample_map(uint map, vec2 u) {
   vec4 cells = map_quad(map, quad);
   bool right = choose_second(cells.x + cells.z, cells.y + cells.w, u.x);
   bool upper = choose_second(right ? cells.y : cells.x, right ? cells.w : cells.z, u.y);
-  vec2 place = (vec2(2u * quad + uvec2(right, upper)) + u) / float(kGuideSide);
-  return map_direction(clamp(place, 0.0, kOneMinusEpsilon)); // a rounded difference may have left the cell
+  vec2 position = (vec2(2u * quad + uvec2(right, upper)) + u) / float(kGuideSide);
+  return map_direction(clamp(position, 0.0, kOneMinusEpsilon)); // a rounded difference may have left the cell
 }
 
 #endif

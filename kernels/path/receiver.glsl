@@ -18,13 +18,13 @@ Receiver store_receiver(uint slot, Vertex v) {
   // A map may bend the normal so far that what is folded at its surface leaves below the normal.
   bool any_side = lets_light_pass(v) || (is_bent(v) && !(dot(v.plane, v.normal) > 0.0));
   uvec4 words = uvec4(floatBitsToUint(v.surface.position), any_side ? 0u : pack_normal(v.normal));
-  receiver_words[receiver_place(slot)] = words;
+  receiver_words[receiver_index(slot)] = words;
   return unpack_receiver(words);
 }
 
 Receiver fetch_receiver(uint slot) {
   if (!keeps_receivers()) return Receiver(vec3(0.0), vec3(0.0));
-  return unpack_receiver(texelFetch(receiver_texels, int(receiver_place(slot))));
+  return unpack_receiver(texelFetch(receiver_texels, int(receiver_index(slot))));
 }
 
 #endif

@@ -25,14 +25,14 @@ void store_radiance(uint slot, PathState path) {
 
 #ifdef BIND_RAYS
 // `place`: counted over both queues, one after the other.
-Ray fetch_ray(uint place) {
-  vec4 origin_slot = texelFetch(ray_texels, int(2u * place)),
-       direction_t = texelFetch(ray_texels, int(2u * place + 1u));
+Ray fetch_ray(uint index) {
+  vec4 origin_slot = texelFetch(ray_texels, int(2u * index)),
+       direction_t = texelFetch(ray_texels, int(2u * index + 1u));
   return Ray(origin_slot.xyz, floatBitsToUint(origin_slot.w), direction_t.xyz, direction_t.w);
 }
-void store_ray(uint place, Ray ray) {
-  ray_words[2u * place] = uvec4(floatBitsToUint(ray.origin), ray.slot);
-  ray_words[2u * place + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
+void store_ray(uint index, Ray ray) {
+  ray_words[2u * index] = uvec4(floatBitsToUint(ray.origin), ray.slot);
+  ray_words[2u * index + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
 }
 void store_hit(uint index, Hit hit) {
   hit_words[index] = uvec4(hit.triangle, hit.instance, floatBitsToUint(hit.b1), floatBitsToUint(hit.b2));

@@ -15,7 +15,7 @@
 #include "kernels/surface/bsdf_types.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/path/path_sampler.glsl"
-#include "kernels/path/queue_place.glsl"
+#include "kernels/path/queue_item.glsl"
 #include "kernels/path/reuse.glsl"
 #include "kernels/base/records.glsl"
 #include "kernels/light/shadow.glsl"
@@ -104,7 +104,7 @@ bool is_clear(Link link, Sender y) {
 // What the light of the sender of a slot counts for each pixel of the quad. Returns how many rays that took.
 uint weigh(uint slot, out vec4 weights) {
   weights = vec4(0.0);
-  uvec4 head = texelFetch(reuse_texels, int(reuse_place(slot, kReuseHead)));
+  uvec4 head = texelFetch(reuse_texels, int(reuse_index(slot, kReuseHead)));
   uint at = head.z % kQuadPixels, count = head.z / kQuadPixels, traced = 0u;
   Sender y = fetch_sender(slot, head);
   float density = 0.0, receiver_passes = 1.0, sender_passes = 1.0; // of the path itself
@@ -137,12 +137,12 @@ uint weigh(uint slot, out vec4 weights) {
 }
 
 void main() {
-  uint index = queue_place(), traced = 0u;
+  uint index = queue_item(), traced = 0u;
   if (index < queues.sender_count) {
-    uint slot = texelFetch(reuse_texels, int(reuse_place(index, kReuseList))).x;
+    uint slot = texelFetch(reuse_texels, int(reuse_index(index, kReuseList))).x;
     vec4 weights;
     traced = weigh(slot, weights);
-    reuse_words[reuse_place(slot, kReuseWeights)] = floatBitsToUint(weights);
+    reuse_words[reuse_index(slot, kReuseWeights)] = floatBitsToUint(weights);
   }
   count_rays(traced);
 }

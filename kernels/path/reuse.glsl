@@ -30,31 +30,31 @@
 #define REUSES_PATHS (kReuse == kReuseQuads && frame.reuses_paths != 0u) // a macro, as has() is
 #define TURNS_NORMALS has(kFeatureSmoothNormals | kFeatureNormalMaps)
 
-uint reuse_place(uint slot, uint texel) { return texel * frame.slot_count + slot; }
+uint reuse_index(uint slot, uint texel) { return texel * frame.slot_count + slot; }
 vec4 fetch_reuse(uint slot, uint texel) {
-  return uintBitsToFloat(texelFetch(reuse_texels, int(reuse_place(slot, texel))));
+  return uintBitsToFloat(texelFetch(reuse_texels, int(reuse_index(slot, texel))));
 }
-void store_reuse(uint slot, uint texel, vec3 v) { reuse_words[reuse_place(slot, texel)].xyz = floatBitsToUint(v); }
+void store_reuse(uint slot, uint texel, vec3 v) { reuse_words[reuse_index(slot, texel)].xyz = floatBitsToUint(v); }
 void store_reuse(uint slot, uint texel, vec3 v, float w) {
-  reuse_words[reuse_place(slot, texel)] = floatBitsToUint(vec4(v, w));
+  reuse_words[reuse_index(slot, texel)] = floatBitsToUint(vec4(v, w));
 }
 
 // Which pixel of its quad a slot works on, and how many places that has, which are slots beside each other.
 uint reuse_quad(uint slot) {
-  uint place = slot_place(slot);
-  return rank_in_quad(place, frame.width * frame.height) + kQuadPixels * quad_places(place, frame.width, frame.height);
+  uint entry = slot_entry(slot);
+  return rank_in_quad(entry, frame.width * frame.height) + kQuadPixels * quad_entries(entry, frame.width, frame.height);
 }
 
 // Where a sample of a pixel lies in a picture whose quads are those of a larger one, and so less wide.
-vec2 place_in_quad(uvec2 pixel, vec2 place) {
-  if (kReuse == kReuseNone || frame.quad_scale == 1.0) return place; // as it is, to the last bit
+vec2 position_in_quad(uvec2 pixel, vec2 position) {
+  if (kReuse == kReuseNone || frame.quad_scale == 1.0) return position; // as it is, to the last bit
   vec2 middle = vec2(pixel / 2u * 2u) + 1.0;
-  return middle + (place - middle) * frame.quad_scale;
+  return middle + (position - middle) * frame.quad_scale;
 }
 
 void begin_reuse(uint slot) {
   if (!REUSES_PATHS) return;
-  reuse_words[reuse_place(slot, kReuseHead)].xyz = uvec3(0u, 0u, reuse_quad(slot));
+  reuse_words[reuse_index(slot, kReuseHead)].xyz = uvec3(0u, 0u, reuse_quad(slot));
 }
 
 // How light along a direction couples to the diffuse base of a plain material: what interface_transmittance() asks for.

@@ -9,7 +9,7 @@
 vec3 gathered_radiance(uint slot) {
   vec3 own = fetch_path(slot).radiance;
   if (!REUSES_PATHS || !is_finite(own)) return own;
-  uvec4 head = texelFetch(reuse_texels, int(reuse_place(slot, kReuseHead)));
+  uvec4 head = texelFetch(reuse_texels, int(reuse_index(slot, kReuseHead)));
   vec3 sum = own;
   if (head.y != 0u) {
     sum = fetch_reuse(slot, kReuseOwn).xyz;
@@ -21,7 +21,7 @@ vec3 gathered_radiance(uint slot) {
   for (uint j = 0u; j < count; ++j) {
     vec3 radiance = fetch_path(first + j).radiance;
     if (!is_finite(radiance)) return radiance; // all of the quad count on that path
-    if (texelFetch(reuse_texels, int(reuse_place(first + j, kReuseHead))).y != 0u)
+    if (texelFetch(reuse_texels, int(reuse_index(first + j, kReuseHead))).y != 0u)
       shared_ += fetch_reuse(first + j, kReuseWeights)[at] * radiance;
   }
   return sum + fetch_reuse(slot, kReuseReceiverColor).xyz * shared_;

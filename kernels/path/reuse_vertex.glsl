@@ -44,13 +44,13 @@ bool begin_receiver(Vertex v, Lobes l, uint slot) {
   if (TURNS_NORMALS) store_reuse(slot, kReuseReceiverPlane, plane);
   if (has(kFeatureNormalMaps))
     store_reuse(slot, kReuseReceiverMirror, is_bent(v) && v.plane != v.normal ? v.plane : vec3(0.0));
-  reuse_words[reuse_place(slot, kReuseHead)].x = floatBitsToUint(-l.diffuse_probability);
+  reuse_words[reuse_index(slot, kReuseHead)].x = floatBitsToUint(-l.diffuse_probability);
   return true;
 }
 
 // After it has scattered by `s` to `wi`.
 void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
-  if (s.wide) reuse_words[reuse_place(slot, kReuseHead)].x = floatBitsToUint(l.diffuse_probability);
+  if (s.wide) reuse_words[reuse_index(slot, kReuseHead)].x = floatBitsToUint(l.diffuse_probability);
   if (!kMicrofacets) return;
   vec3 other = vec3(0.0);
   if (l.facet_probability > 0.0) other = s.weight;
@@ -96,8 +96,8 @@ bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, 
     store_with(slot, kReuseSenderPlane, plane, v.bsdf.ior);
     if (TURNS_NORMALS) store_reuse(slot, kReuseSenderNormal, v.normal);
     store_with(slot, kReuseOwn, path.radiance, v.bsdf.alpha);
-    reuse_words[reuse_place(slot, kReuseHead)].y = hit.instance + 1u;
-    reuse_words[reuse_place(slot, kReuseHead)].w = triangle_id(hit);
+    reuse_words[reuse_index(slot, kReuseHead)].y = hit.instance + 1u;
+    reuse_words[reuse_index(slot, kReuseHead)].w = triangle_id(hit);
     path.radiance = vec3(0.0);
     path.throughput = vec3(1.0 / probability);
   }
@@ -106,6 +106,6 @@ bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, 
   return drawn > 0.0;
 }
 
-void list_sender(uint place, uint slot) { reuse_words[reuse_place(place, kReuseList)].x = slot; }
+void list_sender(uint index, uint slot) { reuse_words[reuse_index(index, kReuseList)].x = slot; }
 
 #endif

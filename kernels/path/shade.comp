@@ -28,7 +28,7 @@
 #include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
-#include "kernels/path/queue_place.glsl"
+#include "kernels/path/queue_item.glsl"
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/reuse_vertex.glsl"
 #include "kernels/path/records.glsl"
@@ -96,20 +96,20 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
 }
 
 // The same at a point within a body that scatters, of a path that arrives along `forward`; by one sample.
-bool connect_to_light(vec3 place, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension,
+bool connect_to_light(vec3 from, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension,
                       uint slot, vec3 throughput, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
   float density = phase_pdf(g, dot(forward, light.direction));
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, density);
   ray.contribution = throughput * density * light.radiance * (weight / light.pdf);
-  float distance_ = light.distant ? kFarAway : length(light.target - place);
+  float distance_ = light.distant ? kFarAway : length(light.target - from);
   if (!uses_walls()) ray.contribution *= medium_transmittance(current_body(slot), distance_);
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
   ray.slot = slot;
   ray.light = light.light;
-  ray.origin = place;
-  ray.direction = light.distant ? light.direction : light.target - place;
+  ray.origin = from;
+  ray.direction = light.distant ? light.direction : light.target - from;
   ray.t_max = light.distant ? kFar : 1.0;
   return true;
 }
@@ -233,7 +233,7 @@ bool light_in_medium(Ray ray, Ray next, PathState path, out ShadowRay shadow) {
   if (kDirect == kDirectBsdf || frame.light_count == 0u) return false;
   uint slot = ray.slot;
   uvec4 words = uvec4(floatBitsToUint(next.origin), 0u);
-  if (keeps_receivers()) receiver_words[receiver_place(slot)] = words;
+  if (keeps_receivers()) receiver_words[receiver_index(slot)] = words;
   if (uses_walls()) store_bodies(kBodiesHere, slot, fetch_bodies(slot));
   Receiver receiver = keeps_receivers() ? unpack_receiver(words) : Receiver(next.origin, vec3(0.0));
   bool wanted = connect_to_light(next.origin, ray.direction, medium_anisotropy(slot), receiver, fetch_sampler(slot),
@@ -313,7 +313,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     bool connects = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
     bool looks_for_sky = SAMPLES_SKY && bsdf_has_smooth(v.bsdf);
     uvec4 earlier = uvec4(0u);
-    if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_place(slot)));
+    if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_index(slot)));
     Receiver receiver;
     if (connects || looks_for_sky) {
       receiver = store_receiver(slot, v);
@@ -333,7 +333,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     // no weight will be asked for, as behind the camera or a mirror, nothing was stored before: the words are those of
     // another path, or of nobody, and what is learned from them would differ from run to run.
     if (passed && (connects || looks_for_sky) && keeps_receivers() && wants_light_weight(path))
-      receiver_words[receiver_place(slot)] = earlier;
+      receiver_words[receiver_index(slot)] = earlier;
   }
 }
 
@@ -356,7 +356,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
 }
 
 void main() {
-  uint index = queue_place();
+  uint index = queue_item();
   bool wants_ray = false, wants_shadow = false;
   Ray next;
   ShadowRay shadow;
@@ -364,15 +364,15 @@ void main() {
     shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow,
           shadow);
 
-  uint place;
+  uint append_index;
   if (REUSES_PATHS && wave.bounce == 1u) {
-    APPEND(queues.sender_count, sends, place);
-    if (sends) list_sender(place, sender);
+    APPEND(queues.sender_count, sends, append_index);
+    if (sends) list_sender(append_index, sender);
   }
   uint next_queue = (wave.bounce + 1u) & 1u;
-  APPEND(queues.ray_count[next_queue], wants_ray, place);
-  if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
+  APPEND(queues.ray_count[next_queue], wants_ray, append_index);
+  if (wants_ray) store_ray(next_queue * frame.slot_count + append_index, next);
   if (TAKES_MORE_LIGHT_SAMPLES) return; // their shadow rays are there
-  APPEND(queues.shadow_count[0], wants_shadow, place);
-  if (wants_shadow) store_shadow_ray(place, shadow);
+  APPEND(queues.shadow_count[0], wants_shadow, append_index);
+  if (wants_shadow) store_shadow_ray(append_index, shadow);
 }

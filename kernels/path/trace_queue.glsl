@@ -9,7 +9,7 @@
 #ifndef WAVEPATH_TRACE_QUEUE_GLSL
 #define WAVEPATH_TRACE_QUEUE_GLSL
 
-#include "kernels/path/queue_place.glsl"
+#include "kernels/path/queue_item.glsl"
 
 void trace_one(uint index) {
   if (index >= RAY_COUNT) return;
@@ -60,7 +60,7 @@ void main() {
     return;
   }
 #endif
-  trace_one(queue_place());
+  trace_one(queue_item());
 }
 
 #endif

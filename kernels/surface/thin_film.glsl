@@ -19,9 +19,9 @@ struct Film {
 vec3 film_response(float path_difference, vec3 shift) {
   float phase = 2.0 * kPi * path_difference * 1e-9;
   const vec3 kHeight = vec3(5.4856e-13, 4.4201e-13, 5.2481e-13);
-  const vec3 kPlace = vec3(1.6810e+06, 1.7953e+06, 2.2084e+06);
+  const vec3 kPosition = vec3(1.6810e+06, 1.7953e+06, 2.2084e+06);
   const vec3 kWidth = vec3(4.3278e+09, 9.3046e+09, 6.6121e+09);
-  vec3 xyz = kHeight * sqrt(2.0 * kPi * kWidth) * cos(kPlace * phase + shift) * exp(-phase * phase * kWidth);
+  vec3 xyz = kHeight * sqrt(2.0 * kPi * kWidth) * cos(kPosition * phase + shift) * exp(-phase * phase * kWidth);
   xyz.x +=
       9.7470e-14 * sqrt(2.0 * kPi * 4.5282e+09) * cos(2.2399e+06 * phase + shift.x) * exp(-4.5282e+09 * phase * phase);
   xyz /= 1.0685e-7;

@@ -10,13 +10,13 @@ bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeat
 
 const uint kMostWalls = 16u; // which a ray passes: each is a bounce, of which paths have 8 if nothing else is asked for
 uint wall_count;
-float wall_places[kMostWalls]; // along the ray
+float wall_distances[kMostWalls]; // along the ray
 uint wall_bodies[kMostWalls];  // 2 * material, + 1 where the ray enters
 vec3 wall_fractions[kMostWalls];  // of the light that it lets through, if no other body hides it
 
-bool keep_wall(uint material, bool enters, float place, vec3 fraction) {
+bool keep_wall(uint material, bool enters, float distance_, vec3 fraction) {
   if (wall_count == kMostWalls) return false;
-  wall_places[wall_count] = place;
+  wall_distances[wall_count] = distance_;
   wall_fractions[wall_count] = fraction;
   wall_bodies[wall_count++] = 2u * material + (enters ? 1u : 0u);
   return true;
@@ -24,16 +24,16 @@ bool keep_wall(uint material, bool enters, float place, vec3 fraction) {
 
 void sort_walls() {
   for (uint i = 1u; i < wall_count; ++i) {
-    float place = wall_places[i];
+    float distance_ = wall_distances[i];
     vec3 fraction = wall_fractions[i];
     uint body = wall_bodies[i], k = i;
-    for (; k > 0u && (wall_places[k - 1u] > place || (wall_places[k - 1u] == place && wall_bodies[k - 1u] > body));
+    for (; k > 0u && (wall_distances[k - 1u] > distance_ || (wall_distances[k - 1u] == distance_ && wall_bodies[k - 1u] > body));
          --k) {
-      wall_places[k] = wall_places[k - 1u];
+      wall_distances[k] = wall_distances[k - 1u];
       wall_bodies[k] = wall_bodies[k - 1u];
       wall_fractions[k] = wall_fractions[k - 1u];
     }
-    wall_places[k] = place;
+    wall_distances[k] = distance_;
     wall_bodies[k] = body;
     wall_fractions[k] = fraction;
   }
@@ -44,18 +44,18 @@ vec3 optical_depth(uint body, float distance_) {
 }
 
 // What walls and bodies on its way leave of a ray that begins within `bodies` and ends `end` metres away; `metre`: of a
-// unit of wall_places. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on
+// unit of wall_distances. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on
 // there.
 vec3 bodies_passed(uvec4 bodies, float metre, float end) {
   sort_walls();
   vec3 depth = vec3(0.0), fraction = vec3(1.0);
   float from = 0.0;
   for (uint i = 0u; i < wall_count; ++i) {
-    float place = wall_places[i] * metre;
+    float distance_ = wall_distances[i] * metre;
     uint body = wall_bodies[i] >> 1u;
     bool enters = (wall_bodies[i] & 1u) != 0u;
-    depth += optical_depth(bodies.x, place - from);
-    from = place;
+    depth += optical_depth(bodies.x, distance_ - from);
+    from = distance_;
     if (!is_nested()) {
       fraction *= wall_fractions[i];
       bodies = enters ? one_body(body) : uvec4(kNoBody);

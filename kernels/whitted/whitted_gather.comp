@@ -15,8 +15,8 @@ void main() {
   uint slot = gl_GlobalInvocationID.x;
   if (slot >= wave_slots()) return;
   PathState path = fetch_path(slot);
-  for (uint place = 1u; place < whitted.width; ++place)
-    path.radiance += fetch_path(place * wave_slots() + slot).radiance;
+  for (uint index = 1u; index < whitted.width; ++index)
+    path.radiance += fetch_path(index * wave_slots() + slot).radiance;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerShade, slot);
   store_radiance(slot, path);
 }

@@ -76,9 +76,9 @@ void branch(Vertex v, WhittedNode node, uint index) {
   bool both = reflects && refracts;
   reflected.width = both ? width / 2u : width;
   refracted.width = both ? width - width / 2u : width;
-  uint place = index + (both ? (width / 2u) * wave_slots() : 0u);
+  uint node_index = index + (both ? (width / 2u) * wave_slots() : 0u);
   if (both) refracted.hit_depth = kNone; // the surface is lit once
-  if (refracts) nodes_of_trees[place] = refracted;
+  if (refracts) nodes_of_trees[node_index] = refracted;
   if (reflects) nodes_of_trees[index] = reflected;
 }
 

@@ -25,13 +25,13 @@ void main() {
     vec3 d = environment_from_world(e.a.xyz, frame.environment_rotation);
     e.b.xy = environment_uv(d);
     e.b.z = distance(world_from_environment(environment_direction(e.b.xy), frame.environment_rotation), e.a.xyz);
-    environment_map_radiance(environment_place(d), e.b.w);
+    environment_map_radiance(environment_point(d), e.b.w);
   } else if (wave.bounce == 1u) { // u in a.xy -> a: direction, density; b: texel, that of the direction
-    EnvironmentPlace place;
-    e.a.xyz = sample_environment_map(bits(e.a.xy), place);
-    environment_map_radiance(place, e.a.w);
-    e.b.xy = vec2(place.texel);
-    e.b.zw = vec2(environment_place(environment_from_world(e.a.xyz, frame.environment_rotation)).texel);
+    EnvironmentPoint at;
+    e.a.xyz = sample_environment_map(bits(e.a.xy), at);
+    environment_map_radiance(at, e.a.w);
+    e.b.xy = vec2(at.texel);
+    e.b.zw = vec2(environment_point(environment_from_world(e.a.xyz, frame.environment_rotation)).texel);
   } else if (wave.bounce == 2u) { // u in a.xy -> b: light, what is left of u.x
     uvec2 u = bits(e.a.xy);
     e.b.x = float(pick_light(u));
@@ -50,11 +50,11 @@ void main() {
     e.b.x = uintBitsToFloat(stretch(floatBitsToUint(e.a.x), floatBitsToUint(e.a.y)));
   } else if (wave.bounce == 8u) { // bits of u in a.xy -> a: radiance, density; b: texel, radiance by the direction
                                   // alone, its sine
-    EnvironmentPlace place;
-    vec3 d = environment_from_world(sample_environment_map(floatBitsToUint(e.a.xy), place), frame.environment_rotation);
-    e.a.x = environment_map_radiance(place, e.a.y).x;
+    EnvironmentPoint at;
+    vec3 d = environment_from_world(sample_environment_map(floatBitsToUint(e.a.xy), at), frame.environment_rotation);
+    e.a.x = environment_map_radiance(at, e.a.y).x;
     float pdf;
-    e.b = vec4(place.texel, environment_map_radiance(environment_place(d), pdf).x, length(d.xz));
+    e.b = vec4(at.texel, environment_map_radiance(environment_point(d), pdf).x, length(d.xz));
   } else { // bits of a: depth, first cell, cells, none; weights in the part b.xy -> weights in the triangle b.xy, bits
            // of b.z: its cell
     uvec4 part = floatBitsToUint(e.a);

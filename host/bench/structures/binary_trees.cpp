@@ -53,8 +53,8 @@ std::uint64_t morton_code(const bvh::Box& box, const bvh::Box& all) {
   for (int axis = 0; axis < 3; ++axis) {
     const double size = double{all.hi[axis]} - all.lo[axis];
     const double middle = 0.5 * (double{box.lo[axis]} + box.hi[axis]) - all.lo[axis];
-    const double place = size > 0.0 ? std::clamp(middle / size, 0.0, 1.0) * 2097151.0 : 0.0;
-    code |= spread(static_cast<std::uint64_t>(place)) << axis;
+    const double scaled = size > 0.0 ? std::clamp(middle / size, 0.0, 1.0) * 2097151.0 : 0.0;
+    code |= spread(static_cast<std::uint64_t>(scaled)) << axis;
   }
   return code;
 }

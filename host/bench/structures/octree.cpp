@@ -30,21 +30,21 @@ public:
 
 private:
   // Of the cube `place` of the 2^level on each axis.
-  bvh::Box box_of(const glm::uvec3& place, std::uint32_t level) const {
+  bvh::Box box_of(const glm::uvec3& cell, std::uint32_t level) const {
     const glm::vec3 side = tree_.size * std::ldexp(1.0f, -static_cast<int>(level));
-    const glm::vec3 lo = tree_.lo + glm::vec3(place) * side, hi = lo + side;
+    const glm::vec3 lo = tree_.lo + glm::vec3(cell) * side, hi = lo + side;
     return {{lo.x, lo.y, lo.z}, {hi.x, hi.y, hi.z}};
   }
 
   // `copies`: the product of how often each level above holds what its parent held once.
-  void build_node(std::size_t node, const std::vector<std::uint32_t>& items, const glm::uvec3& place,
+  void build_node(std::size_t node, const std::vector<std::uint32_t>& items, const glm::uvec3& cell,
                   std::uint32_t level, double copies) {
     tree_.depth = std::max(tree_.depth, level);
     std::array<std::vector<std::uint32_t>, 8> children;
     std::size_t held = 0;
     const bool halves = items.size() > kMostInOctreeLeaf && level < kMostDepth;
     for (std::uint32_t child = 0; halves && child < 8; ++child) {
-      const bvh::Box box = box_of(child_place(place, child), level + 1);
+      const bvh::Box box = box_of(child_cell(cell, child), level + 1);
       for (const std::uint32_t item : items)
         if (overlaps(triangles_[item], box)) children[child].push_back(item);
       held += children[child].size();
@@ -61,11 +61,11 @@ private:
     tree_.nodes[2 * node] = static_cast<std::uint32_t>(first);
     tree_.nodes[2 * node + 1] = kInner;
     for (std::uint32_t child = 0; child < 8; ++child)
-      build_node(first + child, children[child], child_place(place, child), level + 1, copies * more);
+      build_node(first + child, children[child], child_cell(cell, child), level + 1, copies * more);
   }
 
-  static glm::uvec3 child_place(const glm::uvec3& place, std::uint32_t child) {
-    return 2u * place + glm::uvec3(child & 1u, child >> 1 & 1u, child >> 2 & 1u);
+  static glm::uvec3 child_cell(const glm::uvec3& cell, std::uint32_t child) {
+    return 2u * cell + glm::uvec3(child & 1u, child >> 1 & 1u, child >> 2 & 1u);
   }
 
   std::span<const bvh::Triangle> triangles_;

@@ -39,8 +39,8 @@ Structure build_uniform_grid(std::span<const bvh::Triangle> triangles) {
     glm::uvec3 first(0), last(0);
     for (int axis = 0; axis < 3; ++axis) {
       const auto cell_of = [&](float position) {
-        const float place = cell[axis] > 0.0f ? (position - grid.lo[axis]) / cell[axis] : 0.0f;
-        return std::clamp(place, 0.0f, static_cast<float>(grid.resolution[axis] - 1));
+        const float scaled = cell[axis] > 0.0f ? (position - grid.lo[axis]) / cell[axis] : 0.0f;
+        return std::clamp(scaled, 0.0f, static_cast<float>(grid.resolution[axis] - 1));
       };
       // One cell more where rounding may have lost it; overlaps() decides.
       first[axis] = static_cast<std::uint32_t>(std::max(std::floor(cell_of(reference.box.lo[axis]) - 1e-3f), 0.0f));

@@ -9,7 +9,7 @@ namespace {
 // device, so that a strip of tiles stays below 70 ms even on one; a GPU does a million pixels in a few milliseconds.
 constexpr std::uint32_t kTilesOfCpu = 2048, kTilesOfGpu = 16384;
 
-bool same_place(const gpu::CameraView& a, const gpu::CameraView& b) {
+bool same_view(const gpu::CameraView& a, const gpu::CameraView& b) {
   return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
          a.orthographic == b.orthographic;
 }
@@ -32,7 +32,7 @@ void FilterBands::run(Commands& commands, const Kernel& kernel, std::uint32_t st
 
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,
                             std::uint32_t width, std::uint32_t height) {
-  return {now, before, width, height, remembers ? 1u : 0u, remembers && same_place(now, before) ? 1u : 0u};
+  return {now, before, width, height, remembers ? 1u : 0u, remembers && same_view(now, before) ? 1u : 0u};
 }
 
 } // namespace wavepath

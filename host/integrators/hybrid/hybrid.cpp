@@ -47,11 +47,22 @@ const std::array<KernelCode, kStageCount> kStages = {
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
                                                                 kGather,    kShare,   kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kPlaceIds, kPlaceSeen, kPlaceSignals };
+enum OwnBuffer : std::size_t {
+  kFrame,
+  kGbuffer,
+  kSignals,
+  kJitters,
+  kLayers,
+  kPositionIds,
+  kPositionSeen,
+  kPositionSignals
+};
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
-constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPlaces = 1u << 1; // bits of Extent::options
+constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPositions = 1u << 1; // bits of Extent::options
 
-std::uint64_t places(const Extent& e) { return e.options & kCapacityForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
+std::uint64_t positions(const Extent& e) {
+  return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
+}
 
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
@@ -71,14 +82,14 @@ const std::vector<BufferRule> kHybridRules = {
      [](const Extent& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
     {"triangles of places",
-     [](const Extent& e) { return places(e) * sizeof(glm::uvec2); },
-     {{gpu::kBindPlaceIds, BindingKind::storage}}},
+     [](const Extent& e) { return positions(e) * sizeof(glm::uvec2); },
+     {{gpu::kBindPositionIds, BindingKind::storage}}},
     {"emission of places",
-     [](const Extent& e) { return places(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPlaceSeen, BindingKind::storage}}},
+     [](const Extent& e) { return positions(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindPositionSeen, BindingKind::storage}}},
     {"signals of places",
-     [](const Extent& e) { return places(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPlaceSignals, BindingKind::storage}}},
+     [](const Extent& e) { return positions(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindPositionSignals, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -214,7 +225,7 @@ void Hybrid::allocate(const View& view, Past past) {
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
-                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPlaces : 0)});
+                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPositions : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -337,8 +348,8 @@ std::uint64_t Hybrid::bytes() const {
 
 // kJitters frames at a time, because asking the device costs a round trip.
 glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
-  const auto place = kAntialiasTechniques.find(settings_)->place;
-  if (place && !settings_.antialias_over_time) return place(sample, whole_samples(settings_));
+  const auto position = kAntialiasTechniques.find(settings_)->position;
+  if (position && !settings_.antialias_over_time) return position(sample, whole_samples(settings_));
   if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
     first_jitter_ = sample;
     gpu::Wave wave{};
@@ -358,8 +369,8 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
   if (multisamples()) {
-    frame_.sample_place = sample % gpu::kSharingPlaces;
-    if (sample != next_sample_ || frame_.sample_place == 0) frame_.first_place = frame_.sample_place;
+    frame_.sample_position = sample % gpu::kMultisamplePositions;
+    if (sample != next_sample_ || frame_.sample_position == 0) frame_.first_position = frame_.sample_position;
     next_sample_ = sample + 1;
   }
   frame_.jitter = jitter(queue, sample);
@@ -399,11 +410,11 @@ std::uint32_t Hybrid::paths_per_pixel(std::uint32_t) const {
 }
 
 // Samples as hybrid_sample() of kernels/hybrid/frame_terms.glsl numbers them.
-gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t,
+gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count, std::uint32_t,
                        std::uint32_t) const {
   const std::uint32_t samples = frame_.shadow_samples, round = frame_.sample_index / gpu::kReplicates,
                       replicate = frame_.sample_index % gpu::kReplicates;
-  return gpu::even_wave(first_place, pixel_count, round * samples * gpu::kReplicates + replicate, samples,
+  return gpu::even_wave(first_entry, pixel_count, round * samples * gpu::kReplicates + replicate, samples,
                         band.first_pixel);
 }
 
@@ -524,7 +535,7 @@ std::optional<Pilot> Hybrid::pilot() {
   const std::uint32_t width = settings_.width, height = settings_.height, pixels = width * height;
   const std::uint32_t blocks = std::max(std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock, 1u);
   const std::vector<FilmBand>& bands = workspace_.film.bands();
-  pilot_places_.clear();
+  pilot_pixels_.clear();
   for (std::uint32_t block = 0; block < blocks; ++block) {
     const auto first = static_cast<std::uint32_t>(std::uint64_t{pixels} * block / blocks);
     const auto band = std::ranges::find_if(
@@ -533,7 +544,7 @@ std::optional<Pilot> Hybrid::pilot() {
     pilot.segments.push_back({static_cast<std::size_t>(band - bands.begin()), first, end - first, 0});
     for (std::uint32_t pixel = first; pixel < end; ++pixel) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
-      pilot_places_.push_back(at.y * width + at.x);
+      pilot_pixels_.push_back(at.y * width + at.x);
     }
   }
   jitters_.clear();
@@ -558,7 +569,7 @@ glm::vec3 Hybrid::enclosed_light() const {
   const auto signals = download<glm::vec4>(buffers_[kSignals], workspace_.film.pixels());
   glm::dvec3 direct(0.0), albedo(0.0);
   double unoccluded = 0.0, count = 0.0;
-  for (const std::uint32_t i : pilot_places_) {
+  for (const std::uint32_t i : pilot_pixels_) {
     const glm::dvec3 light = glm::dvec3(signals[i]) * glm::dvec3(glm::max(gbuffer[i].albedo, gpu::kDemodulationFloor));
     if (!(gbuffer[i].depth > 0.0f) || !std::isfinite(light.x + light.y + light.z)) continue;
     direct += light;

@@ -58,7 +58,7 @@ public:
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override;
   std::uint32_t most_samples(std::uint32_t) const override { return 1; }
   void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
-  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
+  gpu::Wave wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count, std::uint32_t first_sample,
                  std::uint32_t count) const override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   // Filters the frame if that is asked for, and adds it to the film.
@@ -118,7 +118,7 @@ private:
   std::vector<glm::vec2> jitters_;     // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::uint32_t next_sample_ = 0;           // whose frame may share the shading of those before it
-  std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
+  std::vector<std::uint32_t> pilot_pixels_; // pixels of the pilot, row-major
 };
 
 } // namespace wavepath

@@ -107,9 +107,9 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
-std::uint64_t place_bytes(const RenderPlan& settings) {
+std::uint64_t position_bytes(const RenderPlan& settings) {
   return kAntialiasTechniques.find(settings)->shares_shading
-             ? gpu::kSharingPlaces * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
+             ? gpu::kMultisamplePositions * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
              : 0;
 }
 
@@ -117,7 +117,7 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
-         place_bytes(settings);
+         position_bytes(settings);
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {

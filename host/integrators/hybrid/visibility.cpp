@@ -29,7 +29,7 @@ std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer&
   bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame},
                                    {gpu::kBindHybrid, uniform, &hybrid},
                                    {gpu::kBindVisibility, storage, &ids},
-                                   {gpu::kBindPlaces, texels_r32ui, &unused}});
+                                   {gpu::kBindEntries, texels_r32ui, &unused}});
   return bindings;
 }
 

@@ -122,12 +122,12 @@ Tree make_tree(std::span<const GuideVertex> vertices) {
 }
 
 // As kernels read it, two levels a node. A leaf below a first half stands there twice.
-void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uint32_t index, std::size_t place,
+void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uint32_t index, std::size_t target,
              std::vector<gpu::GuideNode>& flat) {
   const Node& node = tree.nodes[index];
   if (node.axis < 0) {
-    flat[place] = {glm::vec3(probabilities[node.first_leaf]),
-                   node.first_leaf << gpu::kGuideLinkShift | gpu::kGuideLeafAxis};
+    flat[target] = {glm::vec3(probabilities[node.first_leaf]),
+                    node.first_leaf << gpu::kGuideLinkShift | gpu::kGuideLeafAxis};
     return;
   }
   const auto first = static_cast<std::uint32_t>(flat.size());
@@ -142,7 +142,7 @@ void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uin
       flatten(tree, probabilities, is_leaf ? node.child + half : child.child + quarter, first + 2 * half + quarter,
               flat);
   }
-  flat[place] = entry;
+  flat[target] = entry;
 }
 
 // Of the contributions of some vertices, by the probability of guiding: their second moment, and their cross-entropy

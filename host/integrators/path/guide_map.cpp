@@ -85,14 +85,14 @@ void Histogram::add(const Histogram& other) {
     sum[cell] += other.sum[cell], squares[cell] += other.squares[cell];
 }
 
-// As map_place() of kernels/path/guide_map.glsl.
+// As map_position() of kernels/path/guide_map.glsl.
 std::uint32_t map_cell(const glm::vec3& d) {
   const float across = d.z / std::max(std::abs(d.x) + std::abs(d.z), 1e-30f);
-  const auto place = [](float u) {
+  const auto cell_of_unit = [](float u) {
     constexpr auto kSide = static_cast<float>(gpu::kGuideSide);
     return static_cast<std::uint32_t>(std::clamp(u * kSide, 0.0f, kSide - 1.0f));
   };
-  return morton(place(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across)), place(0.5f * d.y + 0.5f));
+  return morton(cell_of_unit(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across)), cell_of_unit(0.5f * d.y + 0.5f));
 }
 
 GuideMap even_map() { return GuideMap(kMapCells, kEven); }

@@ -108,7 +108,7 @@ PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::
   return queues().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
 }
 
-std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t replicate) const {
+std::uint32_t PathReplay::entry_of(glm::uvec2 pixel, std::uint32_t replicate) const {
   const gpu::Frame& frame = workspace_.frame;
   if (replicate == 0) return gpu::tile_order_of(pixel, frame.width, frame.height);
   const FilmShape& shape = workspace_.film.shape();
@@ -120,8 +120,8 @@ std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t replicate) co
 }
 
 PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate) {
-  const std::uint32_t place = place_of(pixel, replicate);
-  wave_ = gpu::even_wave(place, 1, sample, 1, place);
+  const std::uint32_t entry = entry_of(pixel, replicate);
+  wave_ = gpu::even_wave(entry, 1, sample, 1, entry);
   PathTrace trace{pixel, sample};
   const auto note = [&](const glm::vec3& radiance, std::uint32_t maker) {
     if (!trace.maker && !is_finite(radiance)) trace.maker = maker;

@@ -51,7 +51,7 @@ public:
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate = 0);
 
 private:
-  std::uint32_t place_of(glm::uvec2 pixel, std::uint32_t replicate) const;
+  std::uint32_t entry_of(glm::uvec2 pixel, std::uint32_t replicate) const;
   void run(PathStage stage, std::uint32_t bounce);
   void shade(std::uint32_t bounce);
   gpu::Queues queues() const;

@@ -264,9 +264,9 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
   }
   ProbeSums probes(info.film ? info.film->shape() : FilmShape{});
   if (info.film) {
-    for_each_probe(*info.film, [&](std::size_t place, std::size_t pixel) {
-      probes.pixels[pixel] = info.film->pixels[place];
-      if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[place];
+    for_each_probe(*info.film, [&](std::size_t entry, std::size_t pixel) {
+      probes.pixels[pixel] = info.film->pixels[entry];
+      if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[entry];
     });
     insert_film(pixels, const_cast<Film&>(*info.film), probes);
   }
@@ -350,10 +350,10 @@ std::optional<std::array<float, 16>> read_matrix(const std::string& path, const 
   });
 }
 
-std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name) {
+std::optional<glm::dvec3> read_vector(const std::string& path, const std::string& name) {
   return read_header(path, [&](const Imf::Header& header) -> std::optional<glm::dvec3> {
-    const auto* place = header.findTypedAttribute<Imf::V3dAttribute>(name);
-    return place ? std::optional(glm::dvec3(place->value().x, place->value().y, place->value().z)) : std::nullopt;
+    const auto* entry = header.findTypedAttribute<Imf::V3dAttribute>(name);
+    return entry ? std::optional(glm::dvec3(entry->value().x, entry->value().y, entry->value().z)) : std::nullopt;
   });
 }
 
@@ -384,9 +384,9 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   insert_film(pixels, *film, probes);
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
-  for_each_probe(*film, [&](std::size_t place, std::size_t pixel) {
-    film->pixels[place] = probes.pixels[pixel];
-    if (!probes.aovs.empty()) film->aovs[place] = probes.aovs[pixel];
+  for_each_probe(*film, [&](std::size_t entry, std::size_t pixel) {
+    film->pixels[entry] = probes.pixels[pixel];
+    if (!probes.aovs.empty()) film->aovs[entry] = probes.aovs[pixel];
   });
   count_light_paths(*film);
   return film;

@@ -51,7 +51,7 @@ std::string read_attribute(const std::string& path, const std::string& name);
 std::optional<double> read_number(const std::string& path, const std::string& name);
 
 std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
-std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name);
+std::optional<glm::dvec3> read_vector(const std::string& path, const std::string& name);
 
 // The exact sums that an EXR holds; null if it has none. Throws Error.
 std::shared_ptr<const Film> read_film(const std::string& path);

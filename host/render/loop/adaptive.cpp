@@ -67,10 +67,10 @@ std::vector<double> smoothed(const NoiseMap& map, Squares squares) {
 // The pixel of the pilot that shows each pixel of the picture, in tile order.
 std::vector<std::uint32_t> shown_by(const NoiseMap& map, std::uint32_t width, std::uint32_t height) {
   const auto scaled = [](std::uint32_t size, std::uint32_t pilot_size) {
-    std::vector<std::uint32_t> places(size);
+    std::vector<std::uint32_t> pixels(size);
     for (std::uint32_t i = 0; i < size; ++i)
-      places[i] = static_cast<std::uint32_t>(std::uint64_t{i} * pilot_size / size);
-    return places;
+      pixels[i] = static_cast<std::uint32_t>(std::uint64_t{i} * pilot_size / size);
+    return pixels;
   };
   const std::vector<std::uint32_t> columns = scaled(width, map.width), rows = scaled(height, map.height);
   std::vector<std::uint32_t> shown(std::size_t{width} * height);

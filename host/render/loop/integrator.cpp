@@ -5,9 +5,9 @@
 
 namespace wavepath {
 
-gpu::Wave Integrator::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
+gpu::Wave Integrator::wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count,
                            std::uint32_t first_sample, std::uint32_t count) const {
-  return gpu::even_wave(first_place, pixel_count, first_sample, count, first_place - band.entry_of(first_place));
+  return gpu::even_wave(first_entry, pixel_count, first_sample, count, first_entry - band.offset_of(first_entry));
 }
 
 } // namespace wavepath

@@ -22,7 +22,7 @@ enum class Past { forget, keep };
 // error probe counts as a pixel.
 struct Segment {
   std::size_t band = 0;
-  std::uint32_t first_place = 0, pixel_count = 0; // as gpu::Wave::first_pixel
+  std::uint32_t first_entry = 0, pixel_count = 0; // as gpu::Wave::first_pixel
   int level = 0;
 };
 
@@ -65,9 +65,9 @@ public:
   }
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
-  // Push constants of a wave's kernels: `count` samples from `first_sample` on of pixels at places from `first_place`
+  // Push constants of a wave's kernels: `count` samples from `first_sample` on of pixels at places from `first_entry`
   // on. An adaptive render then tells them where in its list these stand instead.
-  virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
+  virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count,
                          std::uint32_t first_sample, std::uint32_t count) const;
   // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.
   virtual void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) = 0;

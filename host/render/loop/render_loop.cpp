@@ -244,9 +244,9 @@ void RenderLoop::adapt_levels() {
 
 void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   levels_ = levels;
-  std::vector<std::uint32_t> places;
-  segments_ = level_segments(workspace_.film, levels, places);
-  workspace_.set_places(std::move(places));
+  std::vector<std::uint32_t> entries;
+  segments_ = level_segments(workspace_.film, levels, entries);
+  workspace_.set_entries(std::move(entries));
   mean_factor_ = mean_factor(levels, pixels());
 }
 
@@ -256,7 +256,7 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = levels_.empty() ? 1 : kAdaptiveStep;
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
-  auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
+  auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / entries(), 1, most));
   if (!levels_.empty()) { // every pass ends with a wave that is not full: longer ones have fewer
     const std::uint64_t bound = std::min<std::uint64_t>(most, sample_capacity()) / kHighestFactor;
     fit =
@@ -289,17 +289,17 @@ std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, st
   if (fit >= left) return left;
   if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
   const gpu::Frame& frame = workspace_.frame; // of a pilot its own
-  const std::uint32_t next = segment.first_place + done, beyond = workspace_.place_at(next + fit);
+  const std::uint32_t next = segment.first_entry + done, beyond = workspace_.entry_at(next + fit);
   const std::uint32_t whole = fit - gpu::rank_in_quad(beyond, frame.width * frame.height);
   if (whole > 0 || slots > 0) return whole;
-  return gpu::quad_places(workspace_.place_at(next), frame.width, frame.height);
+  return gpu::quad_entries(workspace_.entry_at(next), frame.width, frame.height);
 }
 
 gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,
                               std::uint32_t count) const {
-  const std::uint32_t index = segment.first_place + done;
+  const std::uint32_t index = segment.first_entry + done;
   const FilmBand& band = workspace_.film.bands()[segment.band];
-  gpu::Wave wave = integrator_->wave(band, workspace_.place_at(index), taken, first, count);
+  gpu::Wave wave = integrator_->wave(band, workspace_.entry_at(index), taken, first, count);
   wave.first_pixel = index;
   return wave;
 }
@@ -327,7 +327,7 @@ void RenderLoop::submit_next_wave() {
     const std::uint32_t count = at_level(cursor_.pass_samples, segment.level);
     const std::uint32_t taken = fitting(segment, cursor_.pixels_done, count, slots);
     wave.pixel_count += taken;
-    wave.level_places[kHighestLevel - segment.level] += taken;
+    wave.level_entries[kHighestLevel - segment.level] += taken;
     slots += taken * integrator_->paths_per_pixel(count);
     cursor_.pixels_done += taken;
     if (cursor_.pixels_done < segment.pixel_count) break;
@@ -360,7 +360,7 @@ Progress RenderLoop::progress() const {
   Progress progress;
   progress.spp_done = spp();
   progress.spp_planned = planned();
-  progress.fraction = (spp() + cursor_.pass_samples * done / static_cast<double>(places())) / progress.spp_planned;
+  progress.fraction = (spp() + cursor_.pass_samples * done / static_cast<double>(entries())) / progress.spp_planned;
   progress.seconds = seconds();
   const double rays = static_cast<double>(queue_.totals.rays.total());
   progress.mrays_per_second = progress.seconds > 0.0 ? rays * 1e-6 / progress.seconds : 0.0;

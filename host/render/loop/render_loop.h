@@ -95,7 +95,7 @@ private:
 
   bool traces_paths() const { return settings_.integrator->traces_paths; }
   std::uint64_t pixels() const { return workspace_.film.pixels(); }
-  std::uint64_t places() const { return workspace_.film.shape().places(); } // that a pass covers
+  std::uint64_t entries() const { return workspace_.film.shape().entries(); } // that a pass covers
   std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
   std::uint32_t samples_per_pixel() const;
   void pause_clock();

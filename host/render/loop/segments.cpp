@@ -32,7 +32,7 @@ std::vector<Segment> all_segments(const FilmTarget& film) {
 }
 
 std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
-                                    std::vector<std::uint32_t>& places) {
+                                    std::vector<std::uint32_t>& entries) {
   const FilmShape& shape = film.shape();
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
   const auto probe_level = [&](std::uint32_t block) {
@@ -48,10 +48,10 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
       firsts[levels[pixel / kRunPixels] - kLowestLevel].push_back(pixel);
     for (std::uint32_t block = band.first_probe; block < band.first_probe + band.probe_count; ++block)
       seconds[probe_level(block) - kLowestLevel].push_back(pixels + block);
-    const auto add = [&](const std::vector<std::uint32_t>& entries, int level) {
-      const auto first = static_cast<std::uint32_t>(places.size()), count = static_cast<std::uint32_t>(entries.size());
+    const auto add = [&](const std::vector<std::uint32_t>& list, int level) {
+      const auto first = static_cast<std::uint32_t>(entries.size()), count = static_cast<std::uint32_t>(list.size());
       if (count == 0) return;
-      places.insert(places.end(), entries.begin(), entries.end());
+      entries.insert(entries.end(), list.begin(), list.end());
       const bool goes_on = !segments.empty() && segments.back().level == level && band.pixel_count == pixels;
       if (goes_on) // in a picture of one band: one segment holds pixels and probes, as in all_segments()
         segments.back().pixel_count += count;

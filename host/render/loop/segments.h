@@ -18,6 +18,6 @@ std::vector<Segment> all_segments(const FilmTarget& film);
 // Sorts the entries of each band by the level of their pixel's run. `places` becomes the list of entries that segments
 // refer to.
 std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
-                                    std::vector<std::uint32_t>& places);
+                                    std::vector<std::uint32_t>& entries);
 
 } // namespace wavepath

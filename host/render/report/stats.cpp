@@ -204,9 +204,9 @@ Json light_selection_json(const Run& run) {
   const RenderPlan& settings = run.settings;
   const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
   const Json sky = sky_selection_json(run.result.light_training);
-  if (!tree) return {{"by", "power"}, {"places", packed.light_places}, {"sky", sky}};
+  if (!tree) return {{"by", "power"}, {"places", packed.light_locations}, {"sky", sky}};
   Json selection = {{"by", run.result.light_training.cells > 0 ? "learned" : "tree"},
-                    {"places", packed.light_places},
+                    {"places", packed.light_locations},
                     {"nodes", packed.local_light_count - 1},
                     {"depth", packed.light_tree_depth},
                     {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};

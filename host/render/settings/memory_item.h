@@ -7,12 +7,12 @@
 
 namespace wavepath {
 
-enum class MemoryPlace { device, host, both };
+enum class MemoryLocation { device, host, both };
 
 struct MemoryItem {
   std::string_view name;
   std::uint64_t bytes = 0; // in each of its places
-  MemoryPlace place = MemoryPlace::device;
+  MemoryLocation location = MemoryLocation::device;
 };
 
 } // namespace wavepath

@@ -18,9 +18,9 @@ namespace {
 std::size_t replicates_each(const FilmShape& shape) { return shape.has_probes ? 1 : gpu::kReplicates; }
 
 std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
-  return band.places() * replicates_each(shape) * sizeof(gpu::FilmPixel);
+  return band.entries() * replicates_each(shape) * sizeof(gpu::FilmPixel);
 }
-std::uint64_t aov_bytes(const FilmBand& band) { return band.places() * sizeof(gpu::FilmAovs); }
+std::uint64_t aov_bytes(const FilmBand& band) { return band.entries() * sizeof(gpu::FilmAovs); }
 std::uint64_t splat_bytes(const FilmBand& band) {
   return std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::SplatPixel);
 }
@@ -94,13 +94,13 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
   shape_ = shape;
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
-  const std::uint64_t most_places =
+  const std::uint64_t most_entries =
       range / std::max<std::uint64_t>(replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   std::uint64_t step = kRunPixels; // few runs lie in two
-  std::uint64_t most = most_places;
+  std::uint64_t most = most_entries;
   if (shape.has_probes) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
     step = 8 * std::uint64_t{shape.width};
-    most = most_places / (step + shape.probes_above(std::min(8u, shape.height))) * step;
+    most = most_entries / (step + shape.probes_above(std::min(8u, shape.height))) * step;
   }
   most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));

@@ -17,11 +17,11 @@ struct FilmBand {
   std::uint32_t picture_pixels = 0;               // of all bands: the entry of the first probe
   Buffer film, aovs, splats;                      // may hold more
 
-  std::uint32_t places() const { return pixel_count + probe_count; }
+  std::uint32_t entries() const { return pixel_count + probe_count; }
   // Where the sums of a place of the band lie in it.
-  std::uint32_t entry_of(std::uint32_t place) const {
-    const bool is_probe = probe_count > 0 && place >= picture_pixels;
-    return is_probe ? pixel_count + place - picture_pixels - first_probe : place - first_pixel;
+  std::uint32_t offset_of(std::uint32_t entry) const {
+    const bool is_probe = probe_count > 0 && entry >= picture_pixels;
+    return is_probe ? pixel_count + entry - picture_pixels - first_probe : entry - first_pixel;
   }
 };
 

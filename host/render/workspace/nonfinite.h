@@ -51,7 +51,7 @@ struct Nonfinite {
         if (slot == gpu::kNone) continue;
         const gpu::WavePart part = gpu::part_of_slot(wave, slot);
         const NonfiniteSample lowest{part.first_sample + gpu::local_sample(part, slot),
-                                     pixel_at(wave.first_pixel + gpu::local_place(part, slot)), maker};
+                                     pixel_at(wave.first_pixel + gpu::local_entry(part, slot)), maker};
         if (!first || lowest < *first) first = lowest;
       }
     }

@@ -12,7 +12,7 @@ constexpr std::uint32_t kAsked = gpu::kTriangleAlpha | gpu::kTrianglePane;
 
 // An object of the scene, added: its number among the structures, and its place in `items`.
 struct Added {
-  std::uint32_t number = 0, place = 0;
+  std::uint32_t number = 0, first = 0;
 };
 
 Added add_object(const PackedScene& scene, const Draw& draw, QueryScene& result) {
@@ -34,7 +34,7 @@ Added add_object(const PackedScene& scene, const Draw& draw, QueryScene& result)
     geometry.items.push_back(i);
   }
   Added added{result.structures.add({opaque.corners, asked.corners}), static_cast<std::uint32_t>(result.items.size())};
-  const std::uint32_t first = added.place + 2;
+  const std::uint32_t first = added.first + 2;
   const auto first_asked = static_cast<std::uint32_t>(first + opaque.items.size());
   result.items.insert(result.items.end(), {first, first_asked});
   for (const Geometry* geometry : {&opaque, &asked})
@@ -47,18 +47,18 @@ Added add_object(const PackedScene& scene, const Draw& draw, QueryScene& result)
 QueryScene make_query_scene(Device& device, const PackedScene& scene) {
   QueryScene result{QueryStructures(device), {}, scene.instances};
   std::map<std::uint32_t, Added> objects; // by first triangle
-  std::vector<QueryPlace> places;
+  std::vector<QueryInstance> placed;
   for (const Draw& draw : scene.draws) {
     const auto [found, is_new] = objects.try_emplace(draw.first_triangle);
     if (is_new) found->second = add_object(scene, draw, result);
     for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
-      places.push_back({found->second.number, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
+      placed.push_back({found->second.number, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
       if (!scene.root_is_top) continue;
-      std::ranges::copy(scene.instances[i].world_from_object, places.back().world_from_object);
-      result.instances[i].root = found->second.place;
+      std::ranges::copy(scene.instances[i].world_from_object, placed.back().world_from_object);
+      result.instances[i].root = found->second.first;
     }
   }
-  result.structures.place(places);
+  result.structures.place(placed);
   result.items.resize((result.items.size() + 3) / 4 * 4);
   return result;
 }

@@ -96,7 +96,7 @@ void WaveQueue::count_counters(const gpu::Counters& counters, const std::optiona
   totals.rays.bounce += join(counters.bounce_rays);
   totals.rays.shadow += join(counters.shadow_rays);
   totals.rays.occlusion += join(counters.occlusion_rays);
-  if (wave) totals.nonfinite.add(counters, *wave, [this](std::uint32_t place) { return workspace_.pixel_at(place); });
+  if (wave) totals.nonfinite.add(counters, *wave, [this](std::uint32_t entry) { return workspace_.pixel_at(entry); });
 }
 
 void WaveQueue::count_time(const std::string& name, double seconds) {

@@ -124,42 +124,42 @@ void Workspace::change(const View& view, const RenderPlan& settings) {
 
 bool Workspace::fit(const RenderPlan& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
-  const std::uint64_t places = features & gpu::kFeatureAdaptive ? film.shape().places() : 0;
-  moved |= reserve(device, places_buffer_, places * sizeof(std::uint32_t));
+  const std::uint64_t entries = features & gpu::kFeatureAdaptive ? film.shape().entries() : 0;
+  moved |= reserve(device, entries_buffer_, entries * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
-  places_.clear();
-  if (places > 0) { // until samples are shared out
-    std::vector<std::uint32_t> all(places);
+  entries_.clear();
+  if (entries > 0) { // until samples are shared out
+    std::vector<std::uint32_t> all(entries);
     std::iota(all.begin(), all.end(), 0u);
-    set_places(std::move(all));
+    set_entries(std::move(all));
   }
   return moved;
 }
 
 void Workspace::send_frame() { frame_buffer_.write(&frame, sizeof(frame)); }
 
-void Workspace::set_places(std::vector<std::uint32_t> places) {
-  places_ = std::move(places);
-  places_buffer_.write(places_.data(), places_.size() * sizeof(std::uint32_t));
+void Workspace::set_entries(std::vector<std::uint32_t> entries) {
+  entries_ = std::move(entries);
+  entries_buffer_.write(entries_.data(), entries_.size() * sizeof(std::uint32_t));
 }
 
-std::uint32_t Workspace::place_at(std::uint32_t index) const { return places_.empty() ? index : places_[index]; }
+std::uint32_t Workspace::entry_at(std::uint32_t index) const { return entries_.empty() ? index : entries_[index]; }
 
 PixelReplicate Workspace::pixel_at(std::uint32_t index) const {
   const FilmShape& shape = film.shape();
-  const std::uint32_t place = place_at(index);
-  if (shape.has_probes && place >= shape.pixels()) {
-    const auto block = place - static_cast<std::uint32_t>(shape.pixels());
+  const std::uint32_t entry = entry_at(index);
+  if (shape.has_probes && entry >= shape.pixels()) {
+    const auto block = entry - static_cast<std::uint32_t>(shape.pixels());
     const glm::uvec2 at = gpu::probed_pixel(block, shape.width, shape.height, shape.seed, shape.probes());
     return {gpu::tile_order_of(at, shape.width, shape.height), 1};
   }
-  return {place, 0};
+  return {entry, 0};
 }
 
 std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
   std::vector<Binding> bindings = on_device->bindings();
   bindings.insert(bindings.end(), {{gpu::kBindFrame, BindingKind::uniform, &frame_buffer_},
-                                   {gpu::kBindPlaces, BindingKind::texels_r32ui, &places_buffer_},
+                                   {gpu::kBindEntries, BindingKind::texels_r32ui, &entries_buffer_},
                                    {gpu::kBindCounters, BindingKind::storage, &counters_}});
   add_bindings(band, bindings);
   return bindings;
@@ -168,7 +168,7 @@ std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
 std::vector<Binding> workspace_layout() {
   std::vector<Binding> layout = DeviceScene{}.bindings();
   layout.insert(layout.end(), {{gpu::kBindFrame, BindingKind::uniform, nullptr},
-                               {gpu::kBindPlaces, BindingKind::texels_r32ui, nullptr},
+                               {gpu::kBindEntries, BindingKind::texels_r32ui, nullptr},
                                {gpu::kBindCounters, BindingKind::storage, nullptr}});
   for (const Binding& binding : film_layout()) layout.push_back(binding);
   for (Binding& binding : layout) binding.buffer = nullptr;
@@ -187,14 +187,14 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
 }
 
 std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderPlan& settings) {
-  const std::uint64_t places = film_shape(settings).places();
+  const std::uint64_t entries = film_shape(settings).entries();
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
   std::uint64_t slots = usual_slots(info);
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t together = reuses_paths(settings) ? gpu::kQuadPixels : 1; // pixels that no wave parts
   const std::uint64_t least = together * kind.slots_per_pixel(settings);        // that a wave takes at once
-  slots = std::max(std::min(slots, places * samples), least);
+  slots = std::max(std::min(slots, entries * samples), least);
   if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
   const std::uint64_t record = kind.largest_record(settings);
   slots = std::min(slots, info.max_storage_range / record);

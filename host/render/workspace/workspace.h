@@ -31,14 +31,14 @@ public:
   void send_frame();
   // Adaptive renders: the places of the film (error_probes.h) in the order in which waves visit them. At first that is
   // their own.
-  void set_places(std::vector<std::uint32_t> places);
+  void set_entries(std::vector<std::uint32_t> entries);
   // The entry that waves visit after `index` others, and its pixel and replicate.
-  std::uint32_t place_at(std::uint32_t index) const;
+  std::uint32_t entry_at(std::uint32_t index) const;
   PixelReplicate pixel_at(std::uint32_t index) const;
 
   // What every kernel may be bound to; the film's is that of `band`.
   std::vector<Binding> bindings(const FilmBand& band) const;
-  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + places_buffer_.bytes(); }
+  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + entries_buffer_.bytes(); }
 
   Device& device;
   const PackedScene& scene;
@@ -52,8 +52,8 @@ public:
   const Buffer& counters() const { return counters_; }
 
 private:
-  Buffer frame_buffer_, counters_, places_buffer_;
-  std::vector<std::uint32_t> places_;
+  Buffer frame_buffer_, counters_, entries_buffer_;
+  std::vector<std::uint32_t> entries_;
 };
 
 // Numbers and kinds of Workspace::bindings(), without buffers.

@@ -45,17 +45,17 @@ Extent extent_of(const glm::dmat3& linear) {
   return std::abs(glm::dot(m[0], c[0])) <= kFlatRounding * length * area ? Extent::flat : Extent::solid;
 }
 
-FlatPlace flat_place(const glm::dmat4& world_from_object, bool mirrors) {
+FlatTransform flat_transform(const glm::dmat4& world_from_object, bool mirrors) {
   const glm::dmat3 linear(world_from_object);
   const double size = largest_entry(linear);
   const glm::dmat3 m = linear / size, c = cofactors(m);
   const glm::dvec3 up = glm::normalize(longest(c));
-  FlatPlace place{rounded(glm::normalize(longest(glm::transpose(c)))), world_from_object};
+  FlatTransform transform{rounded(glm::normalize(longest(glm::transpose(c)))), world_from_object};
   // With s along u v^T the determinant is s k. The size of this s is the shorter side of the flat thing.
-  const double k = glm::dot(up, c * place.direction);
+  const double k = glm::dot(up, c * transform.direction);
   const double s = (mirrors ? -size : size) * k / glm::length(longest(m));
-  for (int i = 0; i < 3; ++i) place.world_from_flat[i] += glm::dvec4(s * place.direction[i] * up, 0.0);
-  return place;
+  for (int i = 0; i < 3; ++i) transform.world_from_flat[i] += glm::dvec4(s * transform.direction[i] * up, 0.0);
+  return transform;
 }
 
 Mesh flattened(const Mesh& mesh, const glm::dvec3& direction) {

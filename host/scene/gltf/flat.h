@@ -16,11 +16,11 @@ Extent extent_of(const glm::dmat3& linear);
 // A flat matrix as two steps: everything moves along `direction`, a unit vector of object space, into the plane that
 // stands on it in zero; an invertible matrix does the rest. `mirrors`: whether that one mirrors, which a flat matrix
 // does not tell.
-struct FlatPlace {
+struct FlatTransform {
   glm::dvec3 direction{0.0, 0.0, 1.0};
   glm::dmat4 world_from_flat{1.0};
 };
-FlatPlace flat_place(const glm::dmat4& world_from_object, bool mirrors);
+FlatTransform flat_transform(const glm::dmat4& world_from_object, bool mirrors);
 
 // The mesh after the first step. Its normals are those of its faces.
 Mesh flattened(const Mesh& mesh, const glm::dvec3& direction);

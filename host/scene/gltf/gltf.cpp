@@ -80,8 +80,8 @@ void require_copy(const Import& import, const Mesh& mesh) {
 }
 
 // `mirrors`: what the place would do if its scales were not zero.
-void place_flat(Import& import, std::uint32_t mesh, const glm::dmat4& place, bool mirrors) {
-  const gltf::FlatPlace flat = gltf::flat_place(place, mirrors);
+void place_flat(Import& import, std::uint32_t mesh, const glm::dmat4& transform, bool mirrors) {
+  const gltf::FlatTransform flat = gltf::flat_transform(transform, mirrors);
   const glm::dvec3& d = flat.direction;
   const auto [found, is_new] = import.flat_meshes.emplace(FlatUse{mesh, d.x, d.y, d.z}, 0);
   if (is_new) {
@@ -98,21 +98,22 @@ void place_instances(Import& import, std::size_t node_index, std::uint32_t mesh)
     return gltf::instance_matrices(import.document, scene.warnings, import.document.model.nodes[node_index], world,
                                    scales);
   };
-  const std::vector<glm::dmat4> places = list(import.world[node_index], gltf::Scales::authored);
+  const std::vector<glm::dmat4> transforms = list(import.world[node_index], gltf::Scales::authored);
   std::vector<glm::dmat4> upright; // once one is flat
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const glm::dmat3 linear(places[i]);
+  for (std::size_t i = 0; i < transforms.size(); ++i) {
+    const glm::dmat3 linear(transforms[i]);
     const gltf::Extent extent = gltf::extent_of(linear);
-    if (!is_affine(places[i]) || !std::isfinite(glm::determinant(linear))) {
+    if (!is_affine(transforms[i]) || !std::isfinite(glm::determinant(linear))) {
       scene.warnings.add("instance with a transform that is not affine or not finite left out");
     } else if (extent == gltf::Extent::flat) {
       if (upright.empty()) upright = list(upright_matrix(import, node_index), gltf::Scales::signs);
-      place_flat(import, mesh, places[i], glm::determinant(glm::dmat3(upright[i])) < -gltf::kFlatRounding);
+      place_flat(import, mesh, transforms[i], glm::determinant(glm::dmat3(upright[i])) < -gltf::kFlatRounding);
     } else if (extent == gltf::Extent::solid && std::isfinite(1.0 / glm::determinant(linear))) {
-      scene.instances.push_back({mesh, places[i]});
+      scene.instances.push_back({mesh, transforms[i]});
     } else if (import.keeps_lines) {
       require_copy(import, scene.meshes[mesh]);
-      scene.instances.push_back({add_mesh(import, gltf::collapsed(scene.meshes[mesh], places[i])), glm::dmat4(1.0)});
+      scene.instances.push_back(
+          {add_mesh(import, gltf::collapsed(scene.meshes[mesh], transforms[i])), glm::dmat4(1.0)});
     } else {
       scene.warnings.add("instance with a scale of zero area left out");
     }

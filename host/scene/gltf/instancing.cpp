@@ -55,17 +55,17 @@ std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings
   const auto vector = [](const Elements& elements, std::size_t i) {
     return glm::dvec3(component(elements, i, 0), component(elements, i, 1), component(elements, i, 2));
   };
-  std::vector<glm::dmat4> places(count, world);
+  std::vector<glm::dmat4> transforms(count, world);
   for (std::size_t i = 0; i < count; ++i) {
-    if (translation.present()) places[i] = glm::translate(places[i], vector(translation, i));
+    if (translation.present()) transforms[i] = glm::translate(transforms[i], vector(translation, i));
     if (rotation.present()) {
       const glm::dvec3 xyz = vector(rotation, i);
       const glm::dquat q(component(rotation, i, 3), xyz.x, xyz.y, xyz.z);
-      if (glm::length(q) != 0.0) places[i] *= glm::mat4_cast(glm::normalize(q));
+      if (glm::length(q) != 0.0) transforms[i] *= glm::mat4_cast(glm::normalize(q));
     }
-    if (scale.present()) places[i] = glm::scale(places[i], take_scale(vector(scale, i), scales));
+    if (scale.present()) transforms[i] = glm::scale(transforms[i], take_scale(vector(scale, i), scales));
   }
-  return places;
+  return transforms;
 }
 
 } // namespace wavepath::gltf

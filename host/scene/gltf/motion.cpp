@@ -12,8 +12,8 @@ namespace {
               "choose another --shutter, or leave it out");
 }
 
-bool moves(const Mesh& mesh, const glm::dmat4& place, const Mesh& end, const glm::dmat4& end_place) {
-  return place != end_place || mesh.positions != end.positions || mesh.normals != end.normals;
+bool moves(const Mesh& mesh, const glm::dmat4& transform, const Mesh& end, const glm::dmat4& end_transform) {
+  return transform != end_transform || mesh.positions != end.positions || mesh.normals != end.normals;
 }
 
 // Kernels interpolate positions, normals and tangents alone.
@@ -45,18 +45,18 @@ void add_motion(Scene& scene, const Scene& end) {
   for (const Instance& instance : scene.instances) ++uses[instance.mesh];
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     Instance& instance = scene.instances[i];
-    const glm::dmat4& end_place = end.instances[i].world_from_object;
+    const glm::dmat4& end_transform = end.instances[i].world_from_object;
     const Mesh& end_mesh = end.meshes[end.instances[i].mesh];
     if (scene.meshes[instance.mesh].positions.size() != end_mesh.positions.size()) refuse(scene);
     if (is_repainted(scene.meshes[instance.mesh], end_mesh))
       scene.warnings.add("texture coordinates or colours that change while the shutter is open stay as it opens");
-    if (!moves(scene.meshes[instance.mesh], instance.world_from_object, end_mesh, end_place)) continue;
+    if (!moves(scene.meshes[instance.mesh], instance.world_from_object, end_mesh, end_transform)) continue;
     if (--uses[instance.mesh] > 0) {
       Mesh copy = scene.meshes[instance.mesh];
       instance.mesh = static_cast<std::uint32_t>(scene.meshes.size());
       scene.meshes.push_back(std::move(copy));
     }
-    set_motion(scene.meshes[instance.mesh], end_mesh, glm::inverse(instance.world_from_object) * end_place);
+    set_motion(scene.meshes[instance.mesh], end_mesh, glm::inverse(instance.world_from_object) * end_transform);
   }
 }
 

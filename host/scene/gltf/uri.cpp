@@ -112,7 +112,7 @@ UriData base64_decoded(std::string_view text) {
     }
     if (digit < 0 || padded) return {{}, describe_wrong_digit(padded && digit >= 0 ? '=' : c)};
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    if (const std::size_t place = digits++ % 4) *out++ = static_cast<std::uint8_t>(bits >> (6 - 2 * place));
+    if (const std::size_t index = digits++ % 4) *out++ = static_cast<std::uint8_t>(bits >> (6 - 2 * index));
   }
   if (digits % 4 == 1) return {{}, "its base64 is cut short: " + std::to_string(digits) + " digits"};
   data.bytes.resize(static_cast<std::size_t>(out - data.bytes.data()));

@@ -84,16 +84,16 @@ std::optional<AffineMap> find_map(const Elements& from, const Elements& to) {
 }
 
 // A set of the file as vertices have it: a set of theirs, and a map of it.
-struct Place {
+struct UvSource {
   std::uint32_t set = 0;
   AffineMap map;
 };
 
-void apply(const Place& place, TextureSlot& slot) {
+void apply(const UvSource& source, TextureSlot& slot) {
   const glm::dmat2 matrix(slot.uv_matrix);
-  slot.uv_offset = glm::vec2(matrix * place.map.offset + glm::dvec2(slot.uv_offset));
-  slot.uv_matrix = glm::mat2(matrix * place.map.matrix);
-  slot.uv_set = place.set;
+  slot.uv_offset = glm::vec2(matrix * source.map.offset + glm::dvec2(slot.uv_offset));
+  slot.uv_matrix = glm::mat2(matrix * source.map.matrix);
+  slot.uv_set = source.set;
 }
 
 void leave_out(const MaterialTexture& row, TextureSlot& slot, Material& material, Warnings& warnings) {
@@ -121,26 +121,26 @@ UvSets fit_uv_sets(Document& document, Warnings& warnings, const tinygltf::Primi
                    Material& material) {
   std::vector<std::uint32_t> kept;
   std::vector<Elements> coordinates;
-  std::map<std::uint32_t, Place> places;
+  std::map<std::uint32_t, UvSource> sources;
   for (const std::uint32_t set : sets_read(material)) {
     const std::string name = "TEXCOORD_" + std::to_string(set);
     const auto attribute = primitive.attributes.find(name);
     const Elements elements = attribute == primitive.attributes.end()
                                   ? Elements{}
                                   : open_accessor(document, attribute->second, name, decoded);
-    std::optional<Place> place;
-    for (std::uint32_t i = 0; i < kept.size() && !place; ++i)
-      if (const auto map = find_map(coordinates[i], elements)) place = {i, *map};
-    if (place && !elements.present()) warnings.add(kNoUvSet);
-    if (!place && kept.size() < 2) {
-      place = {static_cast<std::uint32_t>(kept.size()), {}};
+    std::optional<UvSource> source;
+    for (std::uint32_t i = 0; i < kept.size() && !source; ++i)
+      if (const auto map = find_map(coordinates[i], elements)) source = {i, *map};
+    if (source && !elements.present()) warnings.add(kNoUvSet);
+    if (!source && kept.size() < 2) {
+      source = {static_cast<std::uint32_t>(kept.size()), {}};
       kept.push_back(set), coordinates.push_back(elements);
     }
-    if (place) places[set] = *place;
+    if (source) sources[set] = *source;
   }
   visit_slots(material, [&](const MaterialTexture& row, TextureSlot& slot) {
-    if (const auto place = places.find(slot.uv_set); place != places.end())
-      apply(place->second, slot);
+    if (const auto source = sources.find(slot.uv_set); source != sources.end())
+      apply(source->second, slot);
     else
       leave_out(row, slot, material, warnings);
   });

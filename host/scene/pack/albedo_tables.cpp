@@ -192,9 +192,9 @@ std::vector<glm::vec4> make_albedo_tables(std::span<const gpu::Material> materia
                                           std::uint32_t first_texel) {
   std::vector<glm::vec4> tables;
   const auto add = [&](const std::vector<glm::vec4>& table) {
-    const auto place = first_texel + static_cast<std::uint32_t>(tables.size());
+    const auto first = first_texel + static_cast<std::uint32_t>(tables.size());
     tables.insert(tables.end(), table.begin(), table.end());
-    return place;
+    return first;
   };
   if (lobes & gpu::kLobeMultiple) {
     const std::uint32_t ggx = add(ggx_albedo_table());

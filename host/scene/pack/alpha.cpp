@@ -161,7 +161,7 @@ Copies copies_along(const Footprint& f, int axis, double size, Wrap wrap) {
 }
 
 // A corner's place in a copy; every other copy of a mirrored image is turned round.
-double place_in_copy(double texel, double copy, double size, Wrap wrap) {
+double position_in_copy(double texel, double copy, double size, Wrap wrap) {
   const bool turned = wrap == Wrap::mirror && std::fmod(copy, 2.0) != 0.0;
   return turned ? (copy + 1.0) * size - texel : texel - copy * size;
 }
@@ -232,8 +232,8 @@ Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, 
   for (double row = rows.first; row <= rows.last; ++row)
     for (double column = columns.first; column <= columns.last; ++column) {
       for (int k = 0; k < 3; ++k)
-        descent.footprint.corner[k] = {place_in_copy(placed.corner[k].x, column, size.x, slot.wrap_u),
-                                       place_in_copy(placed.corner[k].y, row, size.y, slot.wrap_v)};
+        descent.footprint.corner[k] = {position_in_copy(placed.corner[k].x, column, size.x, slot.wrap_u),
+                                       position_in_copy(placed.corner[k].y, row, size.y, slot.wrap_v)};
       set_box(descent.footprint);
       descent.visit(pyramid.top(), 0, 0);
     }

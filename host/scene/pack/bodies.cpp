@@ -91,8 +91,8 @@ std::map<std::uint32_t, int> count_exits(const PackedScene& scene, const glm::dv
       const gpu::Triangle& triangle = scene.triangles[t];
       const std::uint32_t material = triangle.surface & gpu::kTriangleMaterialMask;
       if (!is_body(scene.materials[material])) continue;
-      const auto place = [&](const glm::vec3& v) { return world * glm::dvec4(v, 1.0) - point; };
-      const glm::dvec3 a = place(triangle.v0), b = place(triangle.v1), c = place(triangle.v2);
+      const auto relative = [&](const glm::vec3& v) { return world * glm::dvec4(v, 1.0) - point; };
+      const glm::dvec3 a = relative(triangle.v0), b = relative(triangle.v1), c = relative(triangle.v2);
       const double u = glm::dot(direction, glm::cross(b, c)), v = glm::dot(direction, glm::cross(c, a)),
                    w = glm::dot(direction, glm::cross(a, b));
       if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0))) continue;

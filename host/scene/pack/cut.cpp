@@ -21,9 +21,9 @@ namespace {
 constexpr double kFinest = 0x1p-36;
 
 // A vertex when the shutter opens and when it closes.
-struct CutVertexPlace {
+struct CutVertexPosition {
   glm::dvec3 open, close;
-  bool operator==(const CutVertexPlace&) const = default;
+  bool operator==(const CutVertexPosition&) const = default;
 };
 
 bool comes_before(const glm::dvec3& a, const glm::dvec3& b) {
@@ -32,11 +32,11 @@ bool comes_before(const glm::dvec3& a, const glm::dvec3& b) {
 
 // Ends in an order that does not depend on the triangle.
 struct CutEdge {
-  CutVertexPlace a, b;
+  CutVertexPosition a, b;
   bool operator==(const CutEdge&) const = default;
 };
 
-CutEdge make_cut_edge(const CutVertexPlace& a, const CutVertexPlace& b) {
+CutEdge make_cut_edge(const CutVertexPosition& a, const CutVertexPosition& b) {
   const bool ordered = a.open == b.open ? comes_before(a.close, b.close) : comes_before(a.open, b.open);
   return ordered ? CutEdge{a, b} : CutEdge{b, a};
 }
@@ -59,7 +59,7 @@ struct CutTask {
 };
 
 struct CutWhole {
-  CutVertexPlace corner[3];
+  CutVertexPosition corner[3];
 };
 
 CutWhole whole_triangle(const Scene& scene, std::span<const Part> parts, const CutTask& task) {
@@ -184,12 +184,13 @@ struct CutRule {
 };
 
 struct CutCorner {
-  CutVertexPlace place;
+  CutVertexPosition position;
   glm::dvec3 weights;
 };
 
 CutCorner middle_of_edge(const CutCorner& a, const CutCorner& b) {
-  return {{0.5 * (a.place.open + b.place.open), 0.5 * (a.place.close + b.place.close)}, 0.5 * (a.weights + b.weights)};
+  return {{0.5 * (a.position.open + b.position.open), 0.5 * (a.position.close + b.position.close)},
+          0.5 * (a.weights + b.weights)};
 }
 
 // `active`: by edge, opposite the corner of that number: whether the rule counts for it.
@@ -213,8 +214,8 @@ public:
       Piece& piece = pieces.emplace_back();
       for (int k = 0; k < 3; ++k) {
         piece.weights[k] = one.corner[k].weights;
-        piece.position[k] = one.corner[k].place.open;
-        piece.end[k] = one.corner[k].place.close;
+        piece.position[k] = one.corner[k].position.open;
+        piece.end[k] = one.corner[k].position.close;
       }
     }
     return true;
@@ -222,7 +223,7 @@ public:
 
 private:
   bool marked(const Cutting& t, int k) const {
-    return t.active[k] && rule_.splits(make_cut_edge(t.corner[(k + 1) % 3].place, t.corner[(k + 2) % 3].place));
+    return t.active[k] && rule_.splits(make_cut_edge(t.corner[(k + 1) % 3].position, t.corner[(k + 2) % 3].position));
   }
 
   // The edges that are marked, in halves; false if there is none. New edges within are the triangle's own.
@@ -251,7 +252,8 @@ private:
       return true;
     }
     const CutCorner ab = middle_of_edge(a, b), ca = middle_of_edge(c, a);
-    const bool from_b = glm::distance(b.place.open, ca.place.open) <= glm::distance(c.place.open, ab.place.open);
+    const bool from_b =
+        glm::distance(b.position.open, ca.position.open) <= glm::distance(c.position.open, ab.position.open);
     if (from_b) {
       out.push_back({{b, c, ca}, {t.active[j], huge_, t.active[i]}});
       out.push_back({{ab, b, ca}, {huge_, huge_, t.active[k]}});
@@ -278,7 +280,7 @@ Cut cut_huge(const Scene& scene, std::span<const Part> parts, std::span<const gl
   const std::vector<CutTask> huge = find_triangles(scene, parts, [&](const CutTask& task) {
     if (!may_be_huge(scene.meshes[parts[task.part].mesh], sights[task.part], task.first_index)) return false;
     const CutWhole t = whole(task);
-    const CutVertexPlace &a = t.corner[0], &b = t.corner[1], &c = t.corner[2];
+    const CutVertexPosition &a = t.corner[0], &b = t.corner[1], &c = t.corner[2];
     return is_huge(a.open, b.open, c.open, near) ||
            (scene.meshes[parts[task.part].mesh].moves() && is_huge(a.close, b.close, c.close, near));
   });
@@ -296,7 +298,7 @@ Cut cut_huge(const Scene& scene, std::span<const Part> parts, std::span<const gl
     for (int k = 0; k < 3; ++k)
       if (edges.contains(make_cut_edge(t.corner[k], t.corner[(k + 1) % 3])))
         return std::ranges::all_of(
-            t.corner, [](const CutVertexPlace& v) { return finite_point(v.open) && finite_point(v.close); });
+            t.corner, [](const CutVertexPosition& v) { return finite_point(v.open) && finite_point(v.close); });
     return false;
   });
 

@@ -32,19 +32,19 @@ std::vector<glm::dvec3> near_instances(const Scene& scene, std::uint32_t mesh, s
   }
   std::ranges::stable_sort(found, {}, &std::pair<double, glm::dvec3>::first);
   if (found.size() > kMostNearInstances) found.resize(kMostNearInstances);
-  std::vector<glm::dvec3> places;
-  for (const auto& [distance, p] : found) places.push_back(p);
-  return places;
+  std::vector<glm::dvec3> eyes;
+  for (const auto& [distance, p] : found) eyes.push_back(p);
+  return eyes;
 }
 
 CutSize count_pieces(const Scene& scene, const Usage& usage, std::span<const glm::dvec3> near) {
   CutSize size;
-  const auto add = [&](const std::vector<Part>& parts, std::span<const glm::dvec3> places) {
+  const auto add = [&](const std::vector<Part>& parts, std::span<const glm::dvec3> eyes) {
     const auto shines = [&](const Part& part) {
       const Material& material = scene.materials[scene.meshes[part.mesh].primitives[part.primitive].material];
       return !material.unlit && material.emission != glm::vec3(0.0f);
     };
-    const Cut cut = cut_huge(scene, parts, places);
+    const Cut cut = cut_huge(scene, parts, eyes);
     size.triangles += cut.triangles.size();
     size.pieces += cut.pieces.size();
     for (const CutTriangle& whole : cut.triangles)
@@ -62,11 +62,11 @@ CutSize count_pieces(const Scene& scene, const Usage& usage, std::span<const glm
   add(parts, near);
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     if (usage.mesh_instances[m] < 2) continue;
-    const std::vector<glm::dvec3> places = near_instances(scene, m, near);
-    if (places.empty()) continue;
+    const std::vector<glm::dvec3> eyes = near_instances(scene, m, near);
+    if (eyes.empty()) continue;
     parts.clear();
     list_parts_of(m, glm::dmat4(1.0), parts);
-    add(parts, places);
+    add(parts, eyes);
   }
   return size;
 }

@@ -24,12 +24,12 @@ constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut:
 constexpr double kWorthCutting = 0x1p-17;
 
 // A part of a triangle, by what its corners look up.
-struct PartPlace {
+struct PartArea {
   glm::dvec2 corner[3];
 };
 
 // Quarters as kernels/light/light_sampling.glsl numbers them.
-PartPlace quarter_of(const PartPlace& part, int quarter) {
+PartArea quarter_of(const PartArea& part, int quarter) {
   const glm::dvec2* const c = part.corner;
   const glm::dvec2 m[3] = {0.5 * (c[1] + c[2]), 0.5 * (c[2] + c[0]), 0.5 * (c[0] + c[1])};
   switch (quarter) {
@@ -44,7 +44,7 @@ PartPlace quarter_of(const PartPlace& part, int quarter) {
   }
 }
 
-EmissionMoments looked_up(const EmissionMap& map, const PartPlace& part) {
+EmissionMoments looked_up(const EmissionMap& map, const PartArea& part) {
   double sum = 0.0, squares = 0.0;
   const auto add = [&](double i, double j) {
     const double b1 = i / kSubdivision, b2 = j / kSubdivision;
@@ -97,7 +97,7 @@ void clip(Polygon& polygon, Polygon& rest, int axis, double limit, double sign) 
 }
 
 // Exact: between texel centres, or where nothing is filtered within a texel, the emission is a polynomial.
-std::optional<EmissionMoments> integrated(const EmissionMap& map, const PartPlace& part, const glm::dvec2& lo,
+std::optional<EmissionMoments> integrated(const EmissionMap& map, const PartArea& part, const glm::dvec2& lo,
                                           const glm::dvec2& hi) {
   const double shift = map.texture.flags & gpu::kTextureNearest ? 0.0 : 0.5;
   Integral all;
@@ -127,7 +127,7 @@ struct PartLight {
   bool looks_up = false; // the density is at least what looked_up() finds, which is asked of parts that stay alone
 };
 
-PartLight light_of(const EmissionMap& map, const PartPlace& part) {
+PartLight light_of(const EmissionMap& map, const PartArea& part) {
   const glm::dvec2* const c = part.corner;
   if (!is_near(map, c[0]) || !is_near(map, c[1]) || !is_near(map, c[2]))
     return {map.whole.rms, map.whole.mean, 0.0, 0.0};
@@ -150,7 +150,7 @@ public:
   Cutter(const EmissionMap& map, double worth, std::atomic<std::uint64_t>& count)
       : map_(map), worth_(worth), count_(count) {}
 
-  std::vector<EmissionPart> cut(const PartPlace& whole, const PartLight& light, std::uint8_t& depth) {
+  std::vector<EmissionPart> cut(const PartArea& whole, const PartLight& light, std::uint8_t& depth) {
     add(whole, light, 0, 0);
     depth = static_cast<std::uint8_t>(*std::ranges::max_element(levels_));
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].end = (parts_[i].end + 1) << 2u * (depth - levels_[i]);
@@ -159,7 +159,7 @@ public:
 
 private:
   // `end` is the number of the part among all of its size until all of them are there.
-  void add(const PartPlace& part, const PartLight& light, std::uint32_t level, std::uint32_t number) {
+  void add(const PartArea& part, const PartLight& light, std::uint32_t level, std::uint32_t number) {
     const bool cut = level < kMostDepth && light.side > kSmallestSide && count_ <= kMostParts &&
                      light.excess > worth_ * static_cast<double>(std::uint64_t{1} << 2 * level);
     if (!cut) {
@@ -171,8 +171,8 @@ private:
     count_ += level > 0 ? 3 : 4;
     const std::size_t first = parts_.size();
     for (int quarter = 0; quarter < 4; ++quarter) {
-      const PartPlace place = quarter_of(part, quarter);
-      add(place, light_of(map_, place), level + 1, number << 2 | static_cast<std::uint32_t>(quarter));
+      const PartArea area = quarter_of(part, quarter);
+      add(area, light_of(map_, area), level + 1, number << 2 | static_cast<std::uint32_t>(quarter));
     }
     const bool dark = std::all_of(parts_.begin() + static_cast<std::ptrdiff_t>(first), parts_.end(),
                                   [](const EmissionPart& p) { return p.density == 0.0; });
@@ -194,7 +194,7 @@ private:
 struct Textured {
   std::uint32_t item = 0;
   std::uint32_t material = 0;
-  PartPlace whole;
+  PartArea whole;
   PartLight light{}; // of the whole
   double area = 0.0;
   std::uint8_t depth = 0;
@@ -248,7 +248,7 @@ Emission find_emission(const PackedScene& packed, std::span<const Object> object
         Textured triangle{.item = item, .material = m, .area = area_of(packed.triangles[item])};
         for (std::size_t k = 0; k < 3; ++k)
           triangle.whole.corner[k] =
-              emission_place(maps[m]->texture, packed.vertex_uvs[packed.triangle_vertices[item][static_cast<int>(k)]]);
+              emission_uv(maps[m]->texture, packed.vertex_uvs[packed.triangle_vertices[item][static_cast<int>(k)]]);
         textured.push_back(triangle);
       }
       copies.emplace_back(item, static_cast<std::uint32_t>(textured.size() - 1));

@@ -133,7 +133,7 @@ EmissionMap build_emission_map(const PackedScene& packed, const gpu::Material& m
   return map;
 }
 
-glm::dvec2 emission_place(const gpu::Texture& texture, const glm::vec4& uvs) {
+glm::dvec2 emission_uv(const gpu::Texture& texture, const glm::vec4& uvs) {
   glm::dvec2 uv = texture.flags & gpu::kTextureUv1 ? glm::dvec2(uvs.z, uvs.w) : glm::dvec2(uvs.x, uvs.y);
   if (texture.flags & gpu::kTextureMoved) {
     const glm::dvec4 m = texture.uv_matrix;
@@ -142,14 +142,14 @@ glm::dvec2 emission_place(const gpu::Texture& texture, const glm::vec4& uvs) {
   return uv * glm::dvec2(texture.width, texture.height);
 }
 
-bool is_near(const EmissionMap&, const glm::dvec2& place) {
-  return std::abs(place.x) < kFarthest && std::abs(place.y) < kFarthest;
+bool is_near(const EmissionMap&, const glm::dvec2& uv) {
+  return std::abs(uv.x) < kFarthest && std::abs(uv.y) < kFarthest;
 }
 
-double filtered_emission(const EmissionMap& map, const glm::dvec2& place) {
+double filtered_emission(const EmissionMap& map, const glm::dvec2& uv) {
   const bool nearest = (map.texture.flags & gpu::kTextureNearest) != 0;
-  const Taps x = taps_at(place.x, map.texture.width, wrap_of(map.texture, 0), nearest),
-             y = taps_at(place.y, map.texture.height, wrap_of(map.texture, 1), nearest);
+  const Taps x = taps_at(uv.x, map.texture.width, wrap_of(map.texture, 0), nearest),
+             y = taps_at(uv.y, map.texture.height, wrap_of(map.texture, 1), nearest);
   const auto row = [&](std::int64_t at) {
     const float* const texels = map.luminance.data() + at * map.texture.width;
     return (1.0 - x.weight) * double{texels[x.first]} + x.weight * double{texels[x.second]};

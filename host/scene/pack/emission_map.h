@@ -32,12 +32,12 @@ struct EmissionMap {
 
 EmissionMap build_emission_map(const PackedScene& packed, const gpu::Material& material);
 
-glm::dvec2 emission_place(const gpu::Texture& texture, const glm::vec4& uvs); // `uvs`: a vertex of packed.vertex_uvs
+glm::dvec2 emission_uv(const gpu::Texture& texture, const glm::vec4& uvs); // `uvs`: a vertex of packed.vertex_uvs
 
 // False where places are so far out that floats do not tell texels apart.
-bool is_near(const EmissionMap& map, const glm::dvec2& place);
+bool is_near(const EmissionMap& map, const glm::dvec2& uv);
 
-double filtered_emission(const EmissionMap& map, const glm::dvec2& place);
+double filtered_emission(const EmissionMap& map, const glm::dvec2& uv);
 
 // Whether a look-up anywhere in the box may yield more than 0: whether a texel is lit that filtering can reach.
 bool shines_within(const EmissionMap& map, const glm::dvec2& lo, const glm::dvec2& hi);

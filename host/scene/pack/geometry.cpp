@@ -289,17 +289,17 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
     const TriangleSource& source = sources[t];
     const Part& part = parts[source.part];
     const Corners c = find_corners(whole_object, source);
-    const std::uint32_t place = ids.empty() ? t : ids[t];
+    const std::uint32_t index = ids.empty() ? t : ids[t];
     const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
     const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
-    const std::uint32_t id = ids_of_pieces.own.empty() ? place : ids_of_pieces.own[place];
+    const std::uint32_t id = ids_of_pieces.own.empty() ? index : ids_of_pieces.own[index];
     packed.triangles[first + i] = {c.position[0], surface, c.position[1], id, c.position[2], gpu::kNone};
     if (moving)
       packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
                                    c.end[2] - c.position[2], 0u};
     if (with_vertices)
       packed.triangle_vertices[first + i] = {c.vertex[0], c.vertex[1], c.vertex[2],
-                                             source.piece == kNoIndex ? 0u : ids_of_pieces.source[place]};
+                                             source.piece == kNoIndex ? 0u : ids_of_pieces.source[index]};
   });
   return object;
 }

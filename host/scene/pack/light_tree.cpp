@@ -168,8 +168,8 @@ private:
   };
   using Bins = std::array<std::array<Bin, kBins>, 3>;
 
-  int bin_of(const glm::vec3& place, const Box& box, int axis) const {
-    const float at = (place[axis] - box.lo[axis]) / (box.hi[axis] - box.lo[axis]) * kBins;
+  int bin_of(const glm::vec3& point, const Box& box, int axis) const {
+    const float at = (point[axis] - box.lo[axis]) / (box.hi[axis] - box.lo[axis]) * kBins;
     return std::clamp(static_cast<int>(at), 0, kBins - 1);
   }
 
@@ -201,10 +201,10 @@ private:
         first, count,
         [&](Bins& into, std::uint32_t light) {
           const ClusterBounds bounds = bounds_of(lights_[light]);
-          const glm::vec3 place = centre(light);
+          const glm::vec3 point = centre(light);
           for (int axis = 0; axis < 3; ++axis) {
             if (!(box.hi[axis] > box.lo[axis])) continue;
-            Bin& bin = into[axis][bin_of(place, box, axis)];
+            Bin& bin = into[axis][bin_of(point, box, axis)];
             join(bin.bounds, bounds);
             ++bin.count;
           }

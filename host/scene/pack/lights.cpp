@@ -54,14 +54,15 @@ double world_area(const gpu::Triangle& triangle, const gpu::Instance* instance) 
 }
 
 // Place of the triangle's centre on a Z-curve through the object's box, 2^21 cells an axis.
-std::uint64_t place_on_curve(const gpu::Triangle& triangle, const Object& object) {
+std::uint64_t curve_index(const gpu::Triangle& triangle, const Object& object) {
   const glm::dvec3 lo = object.lo, size = glm::max(glm::dvec3(object.hi) - lo, glm::dvec3(1e-300));
   const glm::dvec3 centre = (glm::dvec3(triangle.v0) + glm::dvec3(triangle.v1) + glm::dvec3(triangle.v2)) / 3.0;
   const glm::dvec3 cell = glm::clamp((centre - lo) / size, 0.0, 1.0) * 0x1.fffffp20;
-  std::uint64_t place = 0;
+  std::uint64_t curve_index = 0;
   for (int bit = 20; bit >= 0; --bit)
-    for (int axis = 0; axis < 3; ++axis) place = place << 1 | (static_cast<std::uint64_t>(cell[axis]) >> bit & 1u);
-  return place;
+    for (int axis = 0; axis < 3; ++axis)
+      curve_index = curve_index << 1 | (static_cast<std::uint64_t>(cell[axis]) >> bit & 1u);
+  return curve_index;
 }
 
 // The area of a triangle that moves may change, and with it the density of points on it: paths find its light by
@@ -78,7 +79,7 @@ bool moves(const PackedScene& packed, std::uint32_t item) {
 std::vector<std::uint32_t> list_shining(const Object& object, const Emission& emission, const PackedScene& packed,
                                         std::vector<gpu::Triangle>& triangles) {
   struct Shining {
-    std::uint64_t place;
+    std::uint64_t curve_index;
     std::uint32_t id, item;
     auto operator<=>(const Shining&) const = default;
   };
@@ -86,7 +87,7 @@ std::vector<std::uint32_t> list_shining(const Object& object, const Emission& em
   for (std::uint32_t item = object.first_item; item < object.first_item + object.item_count; ++item) {
     const gpu::Triangle& triangle = triangles[item];
     const bool shines = emission.firsts[item] != Emission::kDark && !moves(packed, item);
-    if (shines) all.push_back({place_on_curve(triangle, object), triangle.id, item});
+    if (shines) all.push_back({curve_index(triangle, object), triangle.id, item});
   }
   tbb::parallel_sort(all.begin(), all.end());
   std::vector<std::uint32_t> items;
@@ -233,7 +234,7 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
 
 // In how many places the local lights are: as many cubes, a `part` of the scene's radius wide, of equal power would
 // vary as much.
-double count_places(const std::vector<LightBounds>& lights, double radius, double part) {
+double count_locations(const std::vector<LightBounds>& lights, double radius, double part) {
   std::unordered_map<std::uint64_t, double> power;
   double total = 0.0, squares = 0.0;
   for (const LightBounds& light : lights) {
@@ -252,8 +253,9 @@ void pack_light_tree(const LightList& list, double radius, bool if_many, PackedS
   tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t i) {
     bounds[i] = bounds_of(list.lights[i], list.powers[i], list.areas[i], packed);
   });
-  packed.light_places = count_places(bounds, radius, kPlace);
-  const bool many = packed.light_places >= kManyPlaces || count_places(bounds, radius, kSmallPlace) >= kManySmallPlaces;
+  packed.light_locations = count_locations(bounds, radius, kPlace);
+  const bool many =
+      packed.light_locations >= kManyLocations || count_locations(bounds, radius, kSmallPlace) >= kManySmallPlaces;
   if (if_many && !many) return;
   const LightTree tree = build_light_tree(bounds);
   packed.light_tree = light_tree_words(tree);

@@ -23,7 +23,7 @@ inline constexpr std::size_t kFewLights = 8;
 // Many places, of a width in proportion to the scene's radius; or many small ones, as those of lamps over one table are
 // that stands on a large floor: with 60 lamps within 5 m, on a floor of 28 m, lights by power took 3.6x of the squared
 // error times seconds of learned ones, and 2.5x of those by a tree (generated scene 8, benchmarks/regret.py).
-inline constexpr double kPlace = 1.0 / 8.0, kManyPlaces = 8.0, kSmallPlace = 1.0 / 32.0, kManySmallPlaces = 16.0;
+inline constexpr double kPlace = 1.0 / 8.0, kManyLocations = 8.0, kSmallPlace = 1.0 / 32.0, kManySmallPlaces = 16.0;
 void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
                  double environment_integral, std::uint32_t direct, std::uint32_t selection, PackedScene& packed);
 

@@ -12,11 +12,11 @@ namespace {
 void convert(const Material& m, const Scene& scene, MaterialTable& table) {
   gpu::Material& out = table.materials.emplace_back();
   gpu::MaterialLayers& layers = table.layers.emplace_back();
-  const auto put = [&]<class T>(const PackedField<T>& place, const T& value) {
-    if (place.material)
-      out.*place.material = value;
+  const auto put = [&]<class T>(const PackedField<T>& field, const T& value) {
+    if (field.material)
+      out.*field.material = value;
     else
-      layers.*place.layers = value;
+      layers.*field.layers = value;
   };
   // Not the base colour of what has alpha: traversal looks that up alone.
   std::vector<const TextureSlot*> shaded;

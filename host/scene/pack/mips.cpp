@@ -35,20 +35,20 @@ float linear(float encoded) { return static_cast<float>(linear_from_srgb(encoded
 
 // The nearest byte of sRGB: a table of places near it, and where each byte begins.
 std::uint32_t srgb_byte(float value) {
-  constexpr std::size_t kPlaces = 4096;
+  constexpr std::size_t kSteps = 4096;
   static const auto kBegins = [] {
     std::array<float, 256> begins{};
     for (std::size_t i = 1; i < begins.size(); ++i) begins[i] = linear((static_cast<float>(i) - 0.5f) / 255.0f);
     return begins;
   }();
   static const auto kNear = [] {
-    std::array<std::uint8_t, kPlaces> near{};
-    for (std::size_t i = 0; i < kPlaces; ++i)
-      near[i] = static_cast<std::uint8_t>(std::ranges::upper_bound(kBegins, static_cast<float>(i) / kPlaces) -
+    std::array<std::uint8_t, kSteps> near{};
+    for (std::size_t i = 0; i < kSteps; ++i)
+      near[i] = static_cast<std::uint8_t>(std::ranges::upper_bound(kBegins, static_cast<float>(i) / kSteps) -
                                           kBegins.begin() - 1);
     return near;
   }();
-  std::uint32_t byte = kNear[static_cast<std::size_t>(std::clamp(value, 0.0f, 1.0f) * (kPlaces - 1))];
+  std::uint32_t byte = kNear[static_cast<std::size_t>(std::clamp(value, 0.0f, 1.0f) * (kSteps - 1))];
   while (byte < 255 && value >= kBegins[byte + 1]) ++byte;
   return byte;
 }
@@ -61,12 +61,12 @@ glm::vec4 read_linear(const Image& image, bool srgb, std::size_t texel) {
   }();
   glm::vec4 value;
   for (int c = 0; c < 4; ++c) {
-    const std::size_t place = 4 * texel + static_cast<std::size_t>(c);
+    const std::size_t index = 4 * texel + static_cast<std::size_t>(c);
     const bool decode = srgb && c < 3;
     if (image.floats.empty())
-      value[c] = decode ? kLinear[image.bytes[place]] : static_cast<float>(image.bytes[place]) / 255.0f;
+      value[c] = decode ? kLinear[image.bytes[index]] : static_cast<float>(image.bytes[index]) / 255.0f;
     else
-      value[c] = decode ? linear(image.floats[place]) : image.floats[place];
+      value[c] = decode ? linear(image.floats[index]) : image.floats[index];
   }
   return value;
 }
@@ -125,10 +125,10 @@ void store_level(const Level& level, bool bytes, bool srgb, std::uint32_t* words
     for (std::uint32_t x = 0; x < level.width; ++x) {
       const Mean& mean = level.at(x, y);
       const glm::vec4 texel(mean.color / mean.weight, mean.alpha);
-      const std::size_t place = gpu::texel_index(x, y, level.width, 0);
+      const std::size_t index = gpu::texel_index(x, y, level.width, 0);
       if (!bytes) {
         for (int c = 0; c < 4; ++c)
-          words[4 * place + static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(texel[c]);
+          words[4 * index + static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(texel[c]);
         continue;
       }
       std::uint32_t word = 0;
@@ -136,7 +136,7 @@ void store_level(const Level& level, bool bytes, bool srgb, std::uint32_t* words
         const float linear = 255.0f * std::clamp(texel[c], 0.0f, 1.0f) + 0.5f;
         word |= (srgb && c < 3 ? srgb_byte(texel[c]) : static_cast<std::uint32_t>(linear)) << (8 * c);
       }
-      words[place] = word;
+      words[index] = word;
     }
 }
 

@@ -83,7 +83,7 @@ struct PackedScene {
   // The light tree as kernels/base/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
-  double light_places = 0.0;     // in which its lights are, see lights.h
+  double light_locations = 0.0;  // in which its lights are, see lights.h
   double typical_radiance = 0.0; // that all lights together bring to a surface, by order of magnitude
   glm::vec3 environment_radiance{0.0f};
   float environment_probability = 0.0f;

@@ -57,9 +57,9 @@ float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const
 
 } // namespace
 
-std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
+std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& pixel,
                                const glm::dvec2& size, bool passes_backs) {
-  const glm::dvec2 at = glm::dvec2(2.0, -2.0) * place / size + glm::dvec2(-1.0, 1.0);
+  const glm::dvec2 at = glm::dvec2(2.0, -2.0) * pixel / size + glm::dvec2(-1.0, 1.0);
   const glm::dvec3 aside = at.x * view.right + at.y * view.up;
   const glm::dvec3 eye = view.orthographic ? view.position + aside : view.position;
   const glm::dvec3 direction = view.orthographic ? view.forward : view.forward + aside, origin = eye - scene.origin;

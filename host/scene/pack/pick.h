@@ -14,7 +14,7 @@ namespace wavepath {
 // The first hit of the camera ray through `place`, in world space. `place`: from the picture's top left
 // corner, in pixels; `size`: of the picture. Counts every triangle as a whole, cut-outs in its texture included.
 // `passes_backs`: single-sided triangles are not there from behind.
-std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
+std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& pixel,
                                const glm::dvec2& size, bool passes_backs = true);
 
 // Of a point in front of the camera, along the view axis; not positive behind it.

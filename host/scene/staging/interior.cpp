@@ -139,10 +139,10 @@ glm::dvec3 lattice_direction(int i, int count) {
   return {r * std::cos(phi), y, r * std::sin(phi)};
 }
 
-bool is_enclosed(const Geometry& geometry, const glm::dvec3& place, double least) {
+bool is_enclosed(const Geometry& geometry, const glm::dvec3& point, double least) {
   int front = 0, back = 0;
   for (int i = 0; i < kDirections; ++i) {
-    const Sight sight = look(geometry, place, lattice_direction(i, kDirections));
+    const Sight sight = look(geometry, point, lattice_direction(i, kDirections));
     if (std::isinf(sight.distance)) continue;
     ++(sight.front ? front : back);
   }
@@ -206,10 +206,10 @@ double eye_height(double room_height) {
 bool is_closed(const Geometry& geometry, const Bounds& bounds) {
   const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
   for (int i = 0; i < cells.x * cells.y * cells.z; ++i) {
-    const glm::dvec3 place = cell_middle(bounds, {i % cells.x, i / cells.x % cells.y, i / (cells.x * cells.y)}, cells);
-    if (!is_enclosed(geometry, place, kEnclosed)) continue;
+    const glm::dvec3 point = cell_middle(bounds, {i % cells.x, i / cells.x % cells.y, i / (cells.x * cells.y)}, cells);
+    if (!is_enclosed(geometry, point, kEnclosed)) continue;
     for (int k = 0; k < kDirections; ++k)
-      if (std::isinf(look(geometry, place, lattice_direction(k, kDirections)).distance)) return false;
+      if (std::isinf(look(geometry, point, lattice_direction(k, kDirections)).distance)) return false;
   }
   return true;
 }
@@ -238,12 +238,12 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
   const double clearance = 0.02 * glm::length(glm::dvec2(size.x, size.z)); // from all walls
   double best = 0.0;
   std::optional<Standpoint> found;
-  const glm::ivec3 places(12, 4, 12);
-  for (int z = 0; z < places.z; ++z)
-    for (int x = 0; x < places.x; ++x) {
+  const glm::ivec3 cells(12, 4, 12);
+  for (int z = 0; z < cells.z; ++z)
+    for (int x = 0; x < cells.x; ++x) {
       std::optional<double> last_floor; // several starts over one floor are one place
-      for (int y = 0; y < places.y; ++y) {
-        const glm::dvec3 middle = cell_middle(bounds, {x, y, z}, places);
+      for (int y = 0; y < cells.y; ++y) {
+        const glm::dvec3 middle = cell_middle(bounds, {x, y, z}, cells);
         const Sight floor = look(geometry, middle, {0.0, -1.0, 0.0}), ceiling = look(geometry, middle, {0.0, 1.0, 0.0});
         if (std::isinf(floor.distance) || !floor.front) continue;
         const double floor_y = middle.y - floor.distance;
@@ -253,7 +253,7 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
         const glm::dvec3 eye(middle.x, floor_y + eye_height(height), middle.z);
         const Way way = longest_way(geometry, eye, clearance);
         if (way.worth == 0.0) continue;
-        y = places.y; // the lowest floor to stand on; others are roofs and galleries
+        y = cells.y; // the lowest floor to stand on; others are roofs and galleries
         if (way.worth <= best || !is_enclosed(geometry, eye, kCovered)) continue;
         best = way.worth;
         found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};

@@ -16,7 +16,7 @@ float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
   float horizon = lowest;
   for (uint step = 0u; step < way.steps; ++step) {
     vec3 offset;
-    if (!surface_at(receiver, place_on(way, receiver, step, u), offset)) continue;
+    if (!surface_at(receiver, step_position(way, receiver, step, u), offset)) continue;
     float distance_ = length(offset);
     float weight = clamp((1.0 - distance_ / hybrid.ao_radius) / (1.0 - kFullReach), 0.0, 1.0);
     float cosine = mix(lowest, dot(offset, receiver.to_eye) / max(distance_, 1e-30), weight);
@@ -43,7 +43,7 @@ void main() {
   make_basis(receiver.to_eye, tangent, bitangent);
   float sum = 0.0;
   for (uint i = 0u; i < hybrid.ao_samples; ++i) {
-    vec2 u = sample_2d(occlusion_sampler(receiver.place, i), kDimensionOcclusion);
+    vec2 u = sample_2d(occlusion_sampler(receiver.index, i), kDimensionOcclusion);
     vec2 around = cos_sin_turns(0.5 * u.x);
     vec3 direction = around.x * tangent + around.y * bitangent;
     vec3 axis = cross(direction, receiver.to_eye);
@@ -56,5 +56,5 @@ void main() {
   }
   // What is open of all slices is 1 in the mean, but not of each: taking what is occluded from 1 is the same integral,
   // free of noise where nothing is occluded. Of few slices the difference may be below 0.
-  signals[receiver.place].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
+  signals[receiver.index].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
 }

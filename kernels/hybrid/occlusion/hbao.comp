@@ -20,7 +20,7 @@ float rise(Receiver receiver, vec3 direction, float u) {
   float horizon = sine_of_tangent(receiver, direction), sum = 0.0;
   for (uint step = 0u; step < way.steps; ++step) {
     vec3 offset;
-    if (!surface_at(receiver, place_on(way, receiver, step, u), offset)) continue;
+    if (!surface_at(receiver, step_position(way, receiver, step, u), offset)) continue;
     float distance_ = length(offset);
     float sine = dot(offset, receiver.to_eye) / max(distance_, 1e-30);
     if (!(distance_ < hybrid.ao_radius) || !(sine > horizon)) continue;
@@ -38,9 +38,9 @@ void main() {
   make_basis(receiver.to_eye, tangent, bitangent);
   float sum = 0.0;
   for (uint i = 0u; i < hybrid.ao_samples; ++i) {
-    vec2 u = sample_2d(occlusion_sampler(receiver.place, i), kDimensionOcclusion);
+    vec2 u = sample_2d(occlusion_sampler(receiver.index, i), kDimensionOcclusion);
     vec2 around = cos_sin_turns(u.x);
     sum += rise(receiver, around.x * tangent + around.y * bitangent, u.y);
   }
-  signals[receiver.place].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
+  signals[receiver.index].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
 }

@@ -20,7 +20,7 @@ const uint kSteps = 16u;
 
 // Where a pixel's point lies, and how it is seen. All in the coordinates of rays.
 struct Receiver {
-  uint place;    // row-major from the top left
+  uint index;    // row-major from the top left
   vec2 centre;   // in pixels
   float depth;   // along the view axis
   vec3 position;
@@ -30,9 +30,9 @@ struct Receiver {
 
 vec2 picture_size() { return vec2(frame.width, frame.height); }
 
-vec3 point_at(vec2 place, float depth) {
+vec3 point_at(vec2 position, float depth) {
   vec3 origin, direction;
-  camera_ray(place + hybrid.jitter, origin, direction);
+  camera_ray(position + hybrid.jitter, origin, direction);
   return origin + direction * (depth / dot(direction, frame.camera_forward));
 }
 
@@ -41,23 +41,23 @@ bool find_receiver(out Receiver receiver) {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return false;
   uvec2 pixel = slot_pixel(local);
-  receiver.place = pixel.y * frame.width + pixel.x;
-  receiver.depth = gbuffer[receiver.place].depth;
+  receiver.index = pixel.y * frame.width + pixel.x;
+  receiver.depth = gbuffer[receiver.index].depth;
   if (receiver.depth <= 0.0) {
-    signals[receiver.place].w = 0.0;
+    signals[receiver.index].w = 0.0;
     return false;
   }
   receiver.centre = vec2(pixel) + 0.5;
   vec3 origin, direction;
   camera_ray(receiver.centre + hybrid.jitter, origin, direction);
   receiver.position = origin + direction * (receiver.depth / dot(direction, frame.camera_forward));
-  receiver.normal = gbuffer[receiver.place].normal;
+  receiver.normal = gbuffer[receiver.index].normal;
   receiver.to_eye = -direction;
   return true;
 }
 
-Sampler occlusion_sampler(uint place, uint i) {
-  return make_sampler(frame.seed, place, hybrid_sample(hybrid.ao_samples, i), frame_total() * hybrid.ao_samples);
+Sampler occlusion_sampler(uint index, uint i) {
+  return make_sampler(frame.seed, index, hybrid_sample(hybrid.ao_samples, i), frame_total() * hybrid.ao_samples);
 }
 
 // The place in the picture that shows a point, in pixels, and its depth. The inverse of point_at().
@@ -90,8 +90,8 @@ float depth_of(ivec2 pixel) {
 // make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes;
 // elsewhere it is the pixel's own point. One surface: depths within 16 widths of a pixel, which is a slope of 86
 // degrees.
-bool surface_at(Receiver receiver, vec2 place, out vec3 offset) {
-  ivec2 corner = clamp(ivec2(floor(place - 0.5)), ivec2(0), max(ivec2(picture_size()) - 2, 0));
+bool surface_at(Receiver receiver, vec2 position, out vec3 offset) {
+  ivec2 corner = clamp(ivec2(floor(position - 0.5)), ivec2(0), max(ivec2(picture_size()) - 2, 0));
   vec4 depths = vec4(depth_of(corner), depth_of(corner + ivec2(1, 0)), depth_of(corner + ivec2(0, 1)),
                      depth_of(corner + ivec2(1, 1)));
   float nearest = min(min(depths.x, depths.y), min(depths.z, depths.w));
@@ -99,15 +99,15 @@ bool surface_at(Receiver receiver, vec2 place, out vec3 offset) {
   float width = 2.0 * length(frame.camera_right) / float(frame.width) * (is_orthographic() ? 1.0 : nearest);
   float depth;
   if (nearest > 0.0 && farthest - nearest <= 16.0 * width) {
-    vec2 part = place - 0.5 - vec2(corner);
+    vec2 part = position - 0.5 - vec2(corner);
     if (!is_orthographic()) depths = 1.0 / depths;
     depth = mix(mix(depths.x, depths.y, part.x), mix(depths.z, depths.w, part.x), part.y);
     if (!is_orthographic()) depth = 1.0 / depth;
   } else {
-    depth = depth_of(ivec2(floor(place)));
-    place = floor(place) + 0.5;
+    depth = depth_of(ivec2(floor(position)));
+    position = floor(position) + 0.5;
   }
-  offset = point_at(place, depth) - receiver.position;
+  offset = point_at(position, depth) - receiver.position;
   return depth > 0.0;
 }
 
@@ -131,7 +131,7 @@ Way way_of(Receiver receiver, vec3 direction) {
 }
 
 // Of a step, at a random place of its stretch of the way. Stretches grow with their distance, from one pixel on.
-vec2 place_on(Way way, Receiver receiver, uint step, float u) {
+vec2 step_position(Way way, Receiver receiver, uint step, float u) {
   float fraction = (float(step) + u) / float(way.steps);
   return receiver.centre + way.direction * (1.0 + (way.length_ - 1.0) * fraction * fraction);
 }

@@ -19,11 +19,11 @@ void main() {
   if (!find_receiver(receiver)) return;
   uint behind = 0u;
   for (uint i = 0u; i < hybrid.ao_samples; ++i) {
-    Sampler point_sampler = occlusion_sampler(receiver.place, i);
+    Sampler point_sampler = occlusion_sampler(receiver.index, i);
     // The cube root makes points uniform in the ball.
     float distance_ = hybrid.ao_radius * pow(sample_2d(point_sampler, kDimensionOcclusionDistance).x, 1.0 / 3.0);
     vec3 direction = warp_uniform_sphere(sample_2d(point_sampler, kDimensionOcclusion));
     if (is_behind(receiver, receiver.position + distance_ * direction)) ++behind;
   }
-  signals[receiver.place].w = 1.0 - float(behind) / float(hybrid.ao_samples);
+  signals[receiver.index].w = 1.0 - float(behind) / float(hybrid.ao_samples);
 }

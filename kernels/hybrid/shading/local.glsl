@@ -64,10 +64,10 @@ Paint paint_of(Surface surface, Material material, bool front) {
 
 // ---- places where the model is evaluated ----------------------------------------------------------------------------
 
-uint place_count() { return shading.interpolation == kInterpolateGouraud ? 3u : 1u; }
+uint point_count() { return shading.interpolation == kInterpolateGouraud ? 3u : 1u; }
 
 // Barycentric weights of the i-th place on the triangle: its middle, a corner, or the point that is seen.
-vec2 place_weights(Hit hit, uint i) {
+vec2 point_weights(Hit hit, uint i) {
   if (shading.interpolation == kInterpolateFlat) return vec2(1.0 / 3.0);
   if (shading.interpolation == kInterpolatePhong) return vec2(hit.b1, hit.b2);
   return vec2(i == 1u ? 1.0 : 0.0, i == 2u ? 1.0 : 0.0);
@@ -80,7 +80,7 @@ float point_fraction(Hit hit, uint i) {
 }
 
 // Normals of corners know nothing of normal maps, as those of old had none. `seen_normal`: at the point that is seen.
-vec3 place_normal(Surface surface, Material material, bool front, vec3 wo, vec3 seen_normal) {
+vec3 point_normal(Surface surface, Material material, bool front, vec3 wo, vec3 seen_normal) {
   if (shading.interpolation == kInterpolatePhong) return seen_normal;
   if (shading.interpolation == kInterpolateFlat) return front ? surface.geometric_normal : -surface.geometric_normal;
   material.normal_texture = kNone;
@@ -104,11 +104,11 @@ float cue_fraction(float depth) {
 }
 
 // Diffuse and highlight that a point of the light brings to a place, of white surfaces.
-mat2x3 lit_place(Ray ray, Hit at, Material material, bool front, vec3 seen_normal, float exponent, uint light,
+mat2x3 lit_point(Ray ray, Hit at, Material material, bool front, vec3 seen_normal, float exponent, uint light,
                  uvec2 u) {
   Surface surface = fetch_surface(at);
   vec3 wo = is_orthographic() ? -ray.direction : safe_normalize(ray.origin - surface.position, -ray.direction);
-  vec3 n = place_normal(surface, material, front, wo, seen_normal);
+  vec3 n = point_normal(surface, material, front, wo, seen_normal);
   LightSample s = sample_picked_light(light, surface.position, u);
   float cosine = dot(n, s.direction);
   if (!(s.pdf > 0.0) || !(cosine > 0.0)) return mat2x3(0.0);
@@ -135,10 +135,10 @@ bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool
   if (!(seen_light.pdf > 0.0) || !(dot(seen_light.direction, facing) > 0.0)) return false;
 
   mat2x3 lit = mat2x3(0.0);
-  for (uint i = 0u; i < place_count(); ++i) {
-    vec2 weights = place_weights(hit, i);
+  for (uint i = 0u; i < point_count(); ++i) {
+    vec2 weights = point_weights(hit, i);
     Hit at = Hit(hit.triangle, hit.instance, weights.x, weights.y);
-    lit += point_fraction(hit, i) * lit_place(ray, at, material, front, normal, paint.exponent, index, u);
+    lit += point_fraction(hit, i) * lit_point(ray, at, material, front, normal, paint.exponent, index, u);
   }
   shadow.contribution = (paint.diffuse * lit[0] + paint.highlight * lit[1]) * (fraction / ratio);
   if (is_finite(shadow.contribution) && max_component(shadow.contribution) <= 0.0) return false;
@@ -158,11 +158,11 @@ bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool
 void see(uint slot, vec3 radiance, float ambient) {
   if (slot >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(slot);
-  uint place = pixel.y * frame.width + pixel.x;
+  uint pixel_index = pixel.y * frame.width + pixel.x;
 #ifdef SHINES
-  ambient *= seen[place].w;
+  ambient *= seen[pixel_index].w;
 #endif
-  seen[place] = vec4(radiance, ambient);
+  seen[pixel_index] = vec4(radiance, ambient);
 }
 
 bool shade(Ray ray, Hit hit, out ShadowRay shadow) {
@@ -196,9 +196,9 @@ void main() {
     if (kMoves) open_shutter(slot_sampler(ray.slot));
     wants_shadow = shade(ray, fetch_hit(index), shadow);
   }
-  uint place;
-  APPEND(queues.shadow_count[0], wants_shadow, place);
-  if (wants_shadow) store_shadow_ray(place, shadow);
+  uint append_index;
+  APPEND(queues.shadow_count[0], wants_shadow, append_index);
+  if (wants_shadow) store_shadow_ray(append_index, shadow);
 }
 
 #endif

@@ -22,42 +22,42 @@ void offset_receiver(inout Receiver r) {
   // By as much as a texel reaches across the surface (Holbert 2011).
   float slope = plane_slope(r), sine = slope / sqrt(1.0 + slope * slope);
   r.position += r.normal * (shadow.bias * sine * texel_width(r.view, r.depth));
-  place_in_view(r.view, r.position, r.place);
+  project_to_view(r.view, r.position, r.map_position);
   r.depth = view_depth(r.view, r.position);
 }
 
 // Depth of the receiver's own plane where a place in the view shows it.
-float plane_depth(Receiver r, vec2 place) {
+float plane_depth(Receiver r, vec2 position) {
   float depth;
   if (r.view.kind == kViewParaboloid) {
     vec3 origin, direction;
-    ray_of_place(r.view, place, origin, direction);
+    ray_of_texel(r.view, position, origin, direction);
     depth = r.view.near + dot(r.normal, r.position - origin) / dot(r.normal, direction);
   } else {
     vec4 a, b;
-    planes_of_place(r.view, place, a, b);
+    planes_of_texel(r.view, position, a, b);
     depth = view_depth(r.view, common_point(a, b, vec4(r.normal, -dot(r.normal, r.position))));
   }
   // Near the horizon the plane may be met behind the light or nowhere.
-  float reach = kSteepest * texel_width(r.view, r.depth) * (1.0 + distance(place, r.place));
+  float reach = kSteepest * texel_width(r.view, r.depth) * (1.0 + distance(position, r.map_position));
   return depth > 0.0 ? clamp(depth, r.depth - reach, r.depth + reach) : r.depth;
 }
 
 // The depth up to which a map's surface, seen at a place of the view, is taken for the receiver itself; `reach`: how
 // many texels away from the receiver at most the map has sampled it.
-float unshadowed_depth(Receiver r, vec2 place, float reach) {
+float unshadowed_depth(Receiver r, vec2 position, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
   if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
     return r.depth - shadow.bias * width * plane_slope(r) * 1.4142 * reach - rounding;
-  if (shadow.bias_kind == kBiasPlane) return plane_depth(r, place) - shadow.bias * width - rounding;
+  if (shadow.bias_kind == kBiasPlane) return plane_depth(r, position) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
 }
 
 // Of a texel, which sampled the surface at its centre.
 float unshadowed_depth(Receiver r, ivec2 texel) {
-  vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.place);
+  vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.map_position);
   return unshadowed_depth(r, centre, max(max(away.x, away.y), 0.5));
 }
 

@@ -26,7 +26,7 @@ bool find_texel(out ShadowView v, out ivec2 texel) {
   return gl_GlobalInvocationID.x < wave.pixel_count;
 }
 // In the maps; of the nearest texel that the view has.
-int place_in_maps(ShadowView v, ivec2 texel) {
+int index_in_maps(ShadowView v, ivec2 texel) {
   texel = clamp(texel, ivec2(0), ivec2(shadow.size) - 1);
   return int(v.first_texel) + texel.y * int(shadow.size) + texel.x;
 }

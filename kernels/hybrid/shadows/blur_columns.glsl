@@ -13,8 +13,8 @@ void main() {
   if (!find_texel(v, texel)) return;
   vec4 sum = vec4(0.0);
   for (int away = -blur_reach(); away <= blur_reach(); ++away)
-    sum += blur_weight(away) * uintBitsToFloat(shadow_scratch[place_in_maps(v, texel + ivec2(0, away))]);
-  filtered_words[place_in_maps(v, texel)] = stored(sum);
+    sum += blur_weight(away) * uintBitsToFloat(shadow_scratch[index_in_maps(v, texel + ivec2(0, away))]);
+  filtered_words[index_in_maps(v, texel)] = stored(sum);
 }
 
 #endif

@@ -13,10 +13,10 @@ void main() {
   if (!find_texel(v, texel)) return;
   vec4 sum = vec4(0.0);
   for (int away = -blur_reach(); away <= blur_reach(); ++away) {
-    float depth = texelFetch(shadow_depths, place_in_maps(v, texel + ivec2(away, 0))).x;
+    float depth = texelFetch(shadow_depths, index_in_maps(v, texel + ivec2(away, 0))).x;
     sum += blur_weight(away) * moments_of(unit_depth(v, depth));
   }
-  shadow_scratch[place_in_maps(v, texel)] = floatBitsToUint(sum);
+  shadow_scratch[index_in_maps(v, texel)] = floatBitsToUint(sum);
 }
 
 #endif

@@ -6,7 +6,7 @@
 
 // Between the four texels around the receiver's place.
 vec4 filtered_at(Receiver r) {
-  vec2 corner = r.place - 0.5;
+  vec2 corner = r.map_position - 0.5;
   ivec2 texel = ivec2(floor(corner));
   vec2 part = corner - vec2(texel);
   vec4 above = mix(texelFetch(shadow_filtered, map_texel(r.view, texel)),
@@ -18,9 +18,9 @@ vec4 filtered_at(Receiver r) {
 
 // The receiver's own, as unit_depth() has it. Wherever it is flat, filtered depths are on average those of its plane at
 // the place itself: a bound from their mean takes no bias for a slope.
-float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.place, 0.0)); }
+float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.0)); }
 
 // For bounds that the spread of the receiver's own depths in the filter lowers: in front of them all.
-float foremost_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.place, max(shadow.blur, 0.5))); }
+float foremost_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, max(shadow.blur, 0.5))); }
 
 #endif

@@ -21,7 +21,7 @@ float chart_scale(uvec2 chart) { return chart_side(chart) + ((chart.y & kChartSi
 uint chart_apex(uvec2 chart) { return chart.y >> kChartApexShift & 3u; }
 
 // In texels; centres of texels are at halves.
-vec2 place_in_atlas(uvec2 chart, vec3 weights) {
+vec2 position_in_atlas(uvec2 chart, vec3 weights) {
   uint apex = chart_apex(chart);
   vec2 at = vec2(weights[(apex + 1u) % 3u], weights[(apex + 2u) % 3u]);
   if ((chart.y & kChartUpper) != 0u) at = 1.0 - at;

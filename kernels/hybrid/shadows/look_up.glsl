@@ -33,7 +33,7 @@ struct Receiver {
   uvec2 views;    // of the light: the first one, how many
   uint view_index;
   ShadowView view;
-  vec2 place;     // in texels of the view
+  vec2 map_position; // in texels of the view
   float depth;    // as maps have it
 };
 
@@ -48,7 +48,7 @@ vec3 light_tint(Receiver r); // what becomes of the light on its way, besides sh
 bool look_through(uint view_index, inout Receiver r) {
   r.view_index = view_index;
   r.view = fetch_shadow_view(view_index);
-  if (!place_in_view(r.view, r.position, r.place)) return false;
+  if (!project_to_view(r.view, r.position, r.map_position)) return false;
   if (r.view.texel == 0.0) r.view.texel = warped_texel(r.view, r.position);
   r.depth = view_depth(r.view, r.position);
   r.to_light = r.view.kind == kViewParallel ? r.view.light : normalize(r.view.light - r.position);

@@ -23,7 +23,7 @@ float lit_fraction(Receiver r) {
     float fraction = brightness(from);
     offset_receiver(from);
     all += fraction;
-    if (texel_lights(from, ivec2(floor(from.place)))) lit += fraction;
+    if (texel_lights(from, ivec2(floor(from.map_position)))) lit += fraction;
   }
   return all > 0.0 ? lit / all : -1.0;
 }

@@ -21,8 +21,8 @@ float lit_at(uint source, ivec2 texel) {
   return texelFetch(lightmap_lit, int((source * shadow.size + uint(texel.y)) * shadow.size) + texel.x).x;
 }
 
-float lit_between(uint source, vec2 place) {
-  vec2 corner = floor(place - 0.5), at = place - 0.5 - corner;
+float lit_between(uint source, vec2 position) {
+  vec2 corner = floor(position - 0.5), at = position - 0.5 - corner;
   ivec2 texel = ivec2(corner);
   return mix(mix(lit_at(source, texel), lit_at(source, texel + ivec2(1, 0)), at.x),
              mix(lit_at(source, texel + ivec2(0, 1)), lit_at(source, texel + ivec2(1, 1)), at.x), at.y);
@@ -38,5 +38,5 @@ void main() {
   uvec2 chart = fetch_chart(hit.triangle, hit.instance);
   if (chart.x == kNone) return; // no surface of the scene's own: traced
   answer_shadow_ray(index, ray,
-                    lit_between(source, place_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
+                    lit_between(source, position_in_atlas(chart, vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2))));
 }

@@ -7,5 +7,5 @@
 
 float lit_fraction(Receiver r) {
   offset_receiver(r);
-  return texel_lights(r, ivec2(floor(r.place))) ? 1.0 : 0.0;
+  return texel_lights(r, ivec2(floor(r.map_position))) ? 1.0 : 0.0;
 }

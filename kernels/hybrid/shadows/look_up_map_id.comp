@@ -16,7 +16,7 @@ bool share_corner(uint a, uint b) {
 }
 
 float lit_fraction(Receiver r) {
-  uvec2 seen = texelFetch(shadow_ids, map_texel(r.view, ivec2(floor(r.place)))).xy;
+  uvec2 seen = texelFetch(shadow_ids, map_texel(r.view, ivec2(floor(r.map_position)))).xy;
   if (seen.x == kNone || seen == uvec2(r.hit.triangle, r.hit.instance)) return 1.0;
   return seen.y == r.hit.instance && share_corner(seen.x, r.hit.triangle) ? 1.0 : 0.0;
 }

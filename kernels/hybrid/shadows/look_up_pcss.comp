@@ -14,7 +14,7 @@ float blocker_depth(Receiver r, float radius) {
   float sum = 0.0;
   uint count = 0u;
   for (uint i = 0u; i < shadow.taps; ++i) {
-    ivec2 texel = ivec2(floor(r.place + radius * tap_place(i, rotation)));
+    ivec2 texel = ivec2(floor(r.map_position + radius * tap_offset(i, rotation)));
     float depth = map_depth(r.view, texel);
     if (!(depth < unshadowed_depth(r, texel))) continue;
     sum += depth;

@@ -19,7 +19,7 @@ vec3 cookie_texel(uvec2 size, ivec2 texel) {
 vec3 light_tint(Receiver r) {
   uvec2 size = floatBitsToUint(texelFetch(cookie, 0).xy);
   if (size.x == 0u || r.views.y != 1u) return vec3(1.0);
-  vec2 place = r.place / float(shadow.size) * vec2(size) - 0.5, corner = floor(place), at = place - corner;
+  vec2 position = r.map_position / float(shadow.size) * vec2(size) - 0.5, corner = floor(position), at = position - corner;
   ivec2 texel = ivec2(corner);
   vec3 a = cookie_texel(size, texel), b = cookie_texel(size, texel + ivec2(1, 0));
   vec3 c = cookie_texel(size, texel + ivec2(0, 1)), d = cookie_texel(size, texel + ivec2(1, 1));
@@ -30,5 +30,5 @@ vec3 light_tint(Receiver r) {
 
 float lit_fraction(Receiver r) {
   if (!is_receiver(r.hit.triangle, r.hit.instance)) return 1.0;
-  return map_depth(r.view, ivec2(floor(r.place))) < kFar ? 0.0 : 1.0;
+  return map_depth(r.view, ivec2(floor(r.map_position))) < kFar ? 0.0 : 1.0;
 }

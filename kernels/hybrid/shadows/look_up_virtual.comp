@@ -9,7 +9,7 @@
 
 float lit_fraction(Receiver r) {
   offset_receiver(r);
-  ivec2 texel = ivec2(floor(r.place));
+  ivec2 texel = ivec2(floor(r.map_position));
   if (map_texel(r.view, texel) < 0) return -1.0;
   return texel_lights(r, texel) ? 1.0 : 0.0;
 }

@@ -24,9 +24,9 @@ Shade shade_of_box(Receiver r, float half_side) {
   uint parts = max(uint(sqrt(float(shadow.taps)) + 0.5), 1u);
   parts = min(parts, uint(max(2.0 * half_side, 1.0))); // none is smaller than a texel
   float side = 2.0 * half_side / float(parts), step_ = sat_step(r.view);
-  float bias = (r.depth - unshadowed_depth(r, r.place, 0.0)) / step_;
+  float bias = (r.depth - unshadowed_depth(r, r.map_position, 0.0)) / step_;
   for (uint i = 0u; i < parts * parts; ++i) {
-    vec2 lo = r.place - half_side + side * vec2(i % parts, i / parts);
+    vec2 lo = r.map_position - half_side + side * vec2(i % parts, i / parts);
     float depth = plane_depth(r, lo + 0.5 * side);
     vec2 moments = box_about(Sat(r.view.first_texel, shadow.size), lo, lo + side, sat_depth(r.view, depth));
     float variance = max(moments.y - moments.x * moments.x, 0.0), away = -moments.x - bias;

@@ -18,8 +18,8 @@ void main() {
   uint word = wave.first_pixel + gl_GlobalInvocationID.x, within = word % (kShadowPage * kShadowPage);
   uint view_pages = pages_across() * pages_across();
   uint page = page_words[shadow.view_count * view_pages + word / (kShadowPage * kShadowPage)],
-       place = page % view_pages;
-  uvec2 texel = uvec2(place % pages_across(), place / pages_across()) * kShadowPage +
+       index = page % view_pages;
+  uvec2 texel = uvec2(index % pages_across(), index / pages_across()) * kShadowPage +
                 uvec2(within % kShadowPage, within / kShadowPage);
   if (all(lessThan(texel, uvec2(shadow.size)))) trace_texel(page / view_pages, texel, word, false);
 }

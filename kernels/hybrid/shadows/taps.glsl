@@ -14,7 +14,7 @@ vec2 tap_rotation(Receiver r) {
 }
 
 // Of tap i, in units of the filter's radius.
-vec2 tap_place(uint i, vec2 rotation) {
+vec2 tap_offset(uint i, vec2 rotation) {
   vec2 tap = texelFetch(shadow_taps, int(i)).xy;
   return vec2(rotation.x * tap.x - rotation.y * tap.y, rotation.y * tap.x + rotation.x * tap.y);
 }
@@ -24,7 +24,7 @@ float lit_taps(Receiver r, float radius) {
   vec2 rotation = tap_rotation(r);
   uint lit = 0u;
   for (uint i = 0u; i < shadow.taps; ++i)
-    if (texel_lights(r, ivec2(floor(r.place + radius * tap_place(i, rotation))))) ++lit;
+    if (texel_lights(r, ivec2(floor(r.map_position + radius * tap_offset(i, rotation))))) ++lit;
   return float(lit) / float(shadow.taps);
 }
 

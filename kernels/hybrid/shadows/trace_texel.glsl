@@ -14,7 +14,7 @@ Sampler path_sampler;
 void trace_texel(uint view, uvec2 texel, uint word, bool ids) {
   ShadowView v = fetch_shadow_view(view);
   vec3 origin, direction;
-  ray_of_place(v, vec2(texel) + 0.5, origin, direction);
+  ray_of_texel(v, vec2(texel) + 0.5, origin, direction);
   if (has(kFeatureAlpha))
     path_sampler = make_sampler(frame.seed, (view * shadow.size + texel.y) * shadow.size + texel.x, 0u, 1u);
   Hit hit = trace(origin, direction, kFar);

@@ -28,10 +28,10 @@ ShadowView fetch_shadow_view(uint index) {
 // Homogeneous, as gl_Position has it.
 vec4 view_position(ShadowView v, vec3 p) {
   vec4 q = vec4(p, 1.0);
-  vec4 place = vec4(dot(v.x, q), dot(v.y, q), dot(v.z, q), dot(v.w, q));
-  if (v.kind != kViewParaboloid) return place;
+  vec4 position = vec4(dot(v.x, q), dot(v.y, q), dot(v.z, q), dot(v.w, q));
+  if (v.kind != kViewParaboloid) return position;
   // The paraboloid that reflects every direction of a half-space along its axis (Brabec, Annen and Seidel 2002).
-  vec3 direction = vec3(place.xy, dot(v.depth, q));
+  vec3 direction = vec3(position.xy, dot(v.depth, q));
   float distance_ = length(direction);
   return vec4(direction.xy / max(distance_ + direction.z, 1e-6 * distance_), 1.0 - distance_ / v.far, 1.0);
 }
@@ -42,9 +42,9 @@ float view_depth(ShadowView v, vec3 p) {
 }
 
 // Of a point in device world, in texels from the top left. False if the view does not show it.
-bool place_in_view(ShadowView v, vec3 p, out vec2 place) {
+bool project_to_view(ShadowView v, vec3 p, out vec2 position) {
   vec4 h = view_position(v, p);
-  place = (0.5 * h.xy / h.w + 0.5) * float(shadow.size);
+  position = (0.5 * h.xy / h.w + 0.5) * float(shadow.size);
   if (v.kind == kViewParaboloid && dot(v.depth, vec4(p, 1.0)) < 0.0) return false;
   return h.w > 0.0 && all(lessThanEqual(abs(h.xy), vec2(h.w)));
 }
@@ -75,23 +75,23 @@ vec3 common_point(vec4 a, vec4 b, vec4 c) {
 }
 
 // The two planes through the light that meet in the ray through a place. Not for paraboloids.
-void planes_of_place(ShadowView v, vec2 place, out vec4 a, out vec4 b) {
-  vec2 at = 2.0 * place / float(shadow.size) - 1.0;
+void planes_of_texel(ShadowView v, vec2 position, out vec4 a, out vec4 b) {
+  vec2 at = 2.0 * position / float(shadow.size) - 1.0;
   a = v.x - at.x * v.w;
   b = v.y - at.y * v.w;
 }
 
 // The ray from the light through a place, from the near end on; `direction` of unit length.
-void ray_of_place(ShadowView v, vec2 place, out vec3 origin, out vec3 direction) {
+void ray_of_texel(ShadowView v, vec2 position, out vec3 origin, out vec3 direction) {
   if (v.kind == kViewParaboloid) {
-    vec2 at = 2.0 * place / float(shadow.size) - 1.0;
+    vec2 at = 2.0 * position / float(shadow.size) - 1.0;
     vec3 local = vec3(2.0 * at, 1.0 - dot(at, at)) / (1.0 + dot(at, at));
     direction = normalize(local.x * v.x.xyz + local.y * v.y.xyz + local.z * v.depth.xyz);
     origin = v.light + v.near * direction;
     return;
   }
   vec4 a, b;
-  planes_of_place(v, place, a, b);
+  planes_of_texel(v, position, a, b);
   direction = normalize(cross(a.xyz, b.xyz));
   if (dot(direction, v.depth.xyz) < 0.0) direction = -direction;
   origin = common_point(a, b, vec4(v.depth.xyz, v.depth.w - v.near));

@@ -20,10 +20,10 @@ layout(set = 0, binding = kBindLayerSeen) uniform usamplerBuffer layer_seen;
 layout(local_size_x = kWorkgroupSize) in;
 
 // Its light as layer_light() has it; false where there is none.
-bool found_layer(uint place, out vec4 light) {
-  uint layer = texelFetch(layer_seen, int(place)).x;
+bool found_layer(uint pixel_index, out vec4 light) {
+  uint layer = texelFetch(layer_seen, int(pixel_index)).x;
   if (layer == kNone) return false;
-  uvec2 placed = texelFetch(layer_triangles, int(layer)).xy, pixel = uvec2(place % frame.width, place / frame.width);
+  uvec2 placed = texelFetch(layer_triangles, int(layer)).xy, pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width);
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
   light = layer_light(hit_of_triangle(placed.x, placed.y, origin, direction), pixel, origin, direction);

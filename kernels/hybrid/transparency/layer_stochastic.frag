@@ -9,15 +9,15 @@
 
 layout(location = 0) out uvec2 seen;
 
-const uint kHashRounding = 64u, kHashPlace = 65u; // kinds of numbers that nothing else of a frame asks for
+const uint kHashRounding = 64u, kHashOffset = 65u; // kinds of numbers that nothing else of a frame asks for
 
 // Push constant: bounce = the sample, sample_count = how many there are.
 bool covers_sample(Fragment f) {
   Sampler numbers = hybrid_sampler(f.pixel);
   float samples = float(wave.sample_count), covered = hit_opacity(f.hit, true) * samples;
   covered = floor(covered) + (hash_unit(numbers, kHashRounding, layer) < fract(covered) ? 1.0 : 0.0);
-  float place = floor(hash_unit(numbers, kHashPlace, layer) * samples);
-  return mod(float(wave.bounce) + place, samples) < covered;
+  float offset = floor(hash_unit(numbers, kHashOffset, layer) * samples);
+  return mod(float(wave.bounce) + offset, samples) < covered;
 }
 
 void main() {

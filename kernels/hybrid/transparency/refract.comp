@@ -27,7 +27,7 @@ vec2 shown_at(vec3 p, out float depth) {
 bool in_picture(vec2 at, float depth) {
   return depth > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(frame.width, frame.height)));
 }
-uint place_of(vec2 at) { return uint(at.y) * frame.width + uint(at.x); }
+uint index_of(vec2 at) { return uint(at.y) * frame.width + uint(at.x); }
 
 // Radiance along a ray, and how far away it comes from.
 vec3 seen_along(vec3 origin, vec3 direction, out float along) {
@@ -36,13 +36,13 @@ vec3 seen_along(vec3 origin, vec3 direction, out float along) {
   float depth;
   vec2 at = shown_at(origin, depth);
   along = kFarAlong;
-  if (facing > 0.0 && in_picture(at, depth) && gbuffer[place_of(at)].depth > 0.0)
-    along = max((gbuffer[place_of(at)].depth - start) / facing, 0.0);
+  if (facing > 0.0 && in_picture(at, depth) && gbuffer[index_of(at)].depth > 0.0)
+    along = max((gbuffer[index_of(at)].depth - start) / facing, 0.0);
   for (uint step_ = 0u; step_ < kDepthSteps && facing > 0.0; ++step_) {
     at = shown_at(origin + along * direction, depth);
-    if (!in_picture(at, depth) || gbuffer[place_of(at)].depth == 0.0) break;
-    along = max((gbuffer[place_of(at)].depth - start) / facing, 0.0);
-    if (step_ + 1u == kDepthSteps) return seen[place_of(at)].rgb;
+    if (!in_picture(at, depth) || gbuffer[index_of(at)].depth == 0.0) break;
+    along = max((gbuffer[index_of(at)].depth - start) / facing, 0.0);
+    if (step_ + 1u == kDepthSteps) return seen[index_of(at)].rgb;
   }
   along = kFarAlong;
   return environment_emission(direction, pdf);
@@ -68,7 +68,7 @@ void leave_body(uvec2 pixel, Vertex entry, inout vec3 origin, inout vec3 directi
     deep = along > 0.0 && along < 4.0 * straight ? along : straight;
     float depth;
     vec2 at = shown_at(origin + deep * direction, depth);
-    if (in_picture(at, depth) && texelFetch(layer_seen, int(place_of(at))).x != kNone) pixel = uvec2(at);
+    if (in_picture(at, depth) && texelFetch(layer_seen, int(index_of(at))).x != kNone) pixel = uvec2(at);
   }
   origin += deep * direction;
   weight *= exp(-entry.material.attenuation * deep);
@@ -82,8 +82,8 @@ void leave_body(uvec2 pixel, Vertex entry, inout vec3 origin, inout vec3 directi
   direction = outside;
 }
 
-vec3 refracted(uint first, uint place) {
-  uvec2 pixel = uvec2(place % frame.width, place / frame.width), placed = texelFetch(layer_triangles, int(first)).xy;
+vec3 refracted(uint first, uint pixel_index) {
+  uvec2 pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width), placed = texelFetch(layer_triangles, int(first)).xy;
   vec3 eye, towards;
   hybrid_camera_ray(pixel, eye, towards);
   Hit hit = hit_of_triangle(placed.x, placed.y, eye, towards);
@@ -112,7 +112,7 @@ vec3 refracted(uint first, uint place) {
     return light;
   }
   vec3 origin = surface.position, direction = to_world(bent, v.tangent, v.bitangent, v.normal);
-  bool leaves = !v.bsdf.thin && texelFetch(layer_seen, int(place)).x != kNone;
+  bool leaves = !v.bsdf.thin && texelFetch(layer_seen, int(pixel_index)).x != kNone;
   if (leaves) leave_body(pixel, v, origin, direction, weight);
   vec3 beyond = seen_along(origin, direction, along);
   if (!v.bsdf.thin && !leaves) weight *= exp(-v.material.attenuation * along); // water has no other side
@@ -122,17 +122,17 @@ vec3 refracted(uint first, uint place) {
 // The first pass leaves the place of its layer, in two halves that floats hold exactly.
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
-  uint place = wave.first_pixel + gl_GlobalInvocationID.x;
+  uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
   if (wave.bounce == 0u) {
-    uint layer = texelFetch(layer_seen, int(place)).x;
-    layers[place] = layer == kNone ? vec4(-1.0) : vec4(layer & 0xffffu, layer >> 16, 0.0, 0.0);
+    uint layer = texelFetch(layer_seen, int(pixel_index)).x;
+    layers[pixel_index] = layer == kNone ? vec4(-1.0) : vec4(layer & 0xffffu, layer >> 16, 0.0, 0.0);
     return;
   }
-  vec2 first = layers[place].xy;
+  vec2 first = layers[pixel_index].xy;
   if (first.x < 0.0) {
-    layers[place] = vec4(0.0, 0.0, 0.0, 1.0);
+    layers[pixel_index] = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
-  vec3 light = refracted(uint(first.x) | uint(first.y) << 16, place);
-  layers[place] = vec4(is_finite(light) ? light : vec3(0.0), 0.0);
+  vec3 light = refracted(uint(first.x) | uint(first.y) << 16, pixel_index);
+  layers[pixel_index] = vec4(is_finite(light) ? light : vec3(0.0), 0.0);
 }

@@ -14,8 +14,8 @@ layout(local_size_x = kWorkgroupSize) in;
 // Push constant: first_pixel = the first one, row by row from the top left, pixel_count = how many.
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
-  uint place = wave.first_pixel + gl_GlobalInvocationID.x;
-  vec4 sum = texelFetch(layer_sums, int(place));
-  float weight = texelFetch(layer_weights, int(place)).x;
-  layers[place] = weight > 0.0 ? vec4(sum.rgb * ((1.0 - sum.a) / weight), sum.a) : vec4(0.0, 0.0, 0.0, 1.0);
+  uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
+  vec4 sum = texelFetch(layer_sums, int(pixel_index));
+  float weight = texelFetch(layer_weights, int(pixel_index)).x;
+  layers[pixel_index] = weight > 0.0 ? vec4(sum.rgb * ((1.0 - sum.a) / weight), sum.a) : vec4(0.0, 0.0, 0.0, 1.0);
 }

@@ -14,7 +14,7 @@ constinit const Registry<AntialiasKind> kAntialiasTechniques = {
 void check_antialias_settings(const RenderPlan& settings) {
   const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
   const bool usual_filter = settings.filter == RenderPlan{}.filter || settings.filter == gpu::kFilterBox;
-  if (kind.place && !usual_filter)
+  if (kind.position && !usual_filter)
     throw UsageError("--filter", fmt::format("is not taken by --antialias {}", kind.name), "leave it out");
   if (kind.check) kind.check(settings);
 }

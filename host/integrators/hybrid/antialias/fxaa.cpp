@@ -13,7 +13,7 @@ const std::array<KernelCode, 1> kFxaaPasses = {{{"fxaa", wavepath_fxaa_spv}}};
 
 const AntialiasKind kAntialiasFxaa = {.name = "fxaa",
                                       .summary = "edges blurred along their contrast (FXAA, Lottes 2009)",
-                                      .place = pixel_centre,
+                                      .position = pixel_centre,
                                       .passes = kFxaaPasses};
 
 } // namespace wavepath

@@ -10,9 +10,10 @@ namespace {
 void check_sharing(const RenderPlan& settings) {
   const char* const flag = "--antialias msaa";
   const std::uint32_t samples = whole_samples(settings);
-  if (samples % gpu::kSharingPlaces != 0)
-    throw UsageError(flag, fmt::format("has {} places a pixel, and {} samples fill none", gpu::kSharingPlaces, samples),
-                     fmt::format("give --spp {}", (samples / gpu::kSharingPlaces + 1) * gpu::kSharingPlaces));
+  if (samples % gpu::kMultisamplePositions != 0)
+    throw UsageError(
+        flag, fmt::format("has {} places a pixel, and {} samples fill none", gpu::kMultisamplePositions, samples),
+        fmt::format("give --spp {}", (samples / gpu::kMultisamplePositions + 1) * gpu::kMultisamplePositions));
   if (settings.target_error > 0.0)
     throw UsageError("--target-error", fmt::format("is not taken by {}, whose samples share their noise", flag),
                      "leave it out");
@@ -23,7 +24,8 @@ void check_sharing(const RenderPlan& settings) {
 constinit const AntialiasKind kAntialiasMsaa = {
     .name = "msaa",
     .summary = "four places in the pixel, which share shading where they see one triangle",
-    .place = [](std::uint32_t sample, std::uint32_t) { return place_in_grid(sample % gpu::kSharingPlaces, 2); },
+    .position = [](std::uint32_t sample,
+                   std::uint32_t) { return position_in_grid(sample % gpu::kMultisamplePositions, 2); },
     .shares_shading = true,
     .check = check_sharing};
 

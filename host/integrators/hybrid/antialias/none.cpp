@@ -4,6 +4,6 @@
 namespace wavepath {
 
 constinit const AntialiasKind kAntialiasNone = {
-    .name = "none", .summary = "pixels seen at their centres alone", .place = pixel_centre};
+    .name = "none", .summary = "pixels seen at their centres alone", .position = pixel_centre};
 
 } // namespace wavepath

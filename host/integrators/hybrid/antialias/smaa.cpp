@@ -14,7 +14,7 @@ const std::array<KernelCode, 2> kSmaaPasses = {{{"smaa edges", wavepath_smaa_edg
 
 const AntialiasKind kAntialiasSmaa = {.name = "smaa",
                                       .summary = "edges redrawn from their steps (SMAA 1x, Jimenez et al. 2012)",
-                                      .place = pixel_centre,
+                                      .position = pixel_centre,
                                       .passes = kSmaaPasses};
 
 } // namespace wavepath

@@ -11,7 +11,7 @@ std::uint32_t side_of(std::uint32_t samples) {
   return static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(samples))));
 }
 
-glm::vec2 place_of(std::uint32_t sample, std::uint32_t total) { return place_in_grid(sample, side_of(total)); }
+glm::vec2 position_of(std::uint32_t sample, std::uint32_t total) { return position_in_grid(sample, side_of(total)); }
 
 void check_square(const RenderPlan& settings) {
   const std::uint32_t samples = whole_samples(settings), side = side_of(samples);
@@ -25,7 +25,7 @@ void check_square(const RenderPlan& settings) {
 
 constinit const AntialiasKind kAntialiasSupersample = {.name = "supersample",
                                                        .summary = "the mean of a regular grid of places in the pixel",
-                                                       .place = place_of,
+                                                       .position = position_of,
                                                        .check = check_square};
 
 } // namespace wavepath

@@ -52,7 +52,7 @@ struct CellView {
     if (parallel) pad += 0.5 * size * (kRowError / kGrowth) * double{view.radius} * std::max(reach.x, reach.y);
   }
 
-  glm::dvec3 place(const glm::dvec3& p) const {
+  glm::dvec3 project(const glm::dvec3& p) const {
     const glm::dvec4 q(p, 1.0);
     return {glm::dot(x, q), glm::dot(y, q), glm::dot(w, q)};
   }
@@ -84,7 +84,7 @@ public:
   void add(std::uint32_t triangle, std::uint32_t instance, const std::array<glm::dvec3, 3>& corners, double growth) {
     const glm::dvec3 by = growth * view_.reach;
     Polygon polygon;
-    for (const glm::dvec3& p : corners) polygon.corners[polygon.count++] = view_.place(p);
+    for (const glm::dvec3& p : corners) polygon.corners[polygon.count++] = view_.project(p);
     // Two cells wider than the view: points at its rim may be on either side.
     const double side = 1.0 + (2.0 + 2.0 * view_.pad) / size_;
     for (const int axis : {0, 1})

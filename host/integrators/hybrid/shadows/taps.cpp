@@ -36,25 +36,25 @@ std::vector<glm::vec4> poisson(std::uint32_t count) {
   constexpr std::size_t kCandidates = 16;
   std::mt19937 bits(1); // the same on every machine, unlike distributions
   const auto unit = [&] { return 2.0 * (bits() * 0x1p-32) - 1.0; };
-  std::vector<glm::dvec2> places;
-  while (places.size() < count) {
+  std::vector<glm::dvec2> chosen;
+  while (chosen.size() < count) {
     glm::dvec2 best(0.0);
     double farthest = -1.0;
-    for (std::size_t i = 0; i < kCandidates * (1 + places.size() / 4);) {
+    for (std::size_t i = 0; i < kCandidates * (1 + chosen.size() / 4);) {
       const glm::dvec2 candidate(unit(), unit());
       if (glm::length(candidate) > 1.0) continue;
       ++i;
       double nearest = 4.0;
-      for (const glm::dvec2& p : places) nearest = std::min(nearest, glm::distance(p, candidate));
+      for (const glm::dvec2& p : chosen) nearest = std::min(nearest, glm::distance(p, candidate));
       if (nearest > farthest) {
         farthest = nearest;
         best = candidate;
       }
     }
-    places.push_back(best);
+    chosen.push_back(best);
   }
   std::vector<glm::vec4> taps;
-  for (const glm::dvec2& p : places) taps.emplace_back(p.x, p.y, 0.0f, 0.0f);
+  for (const glm::dvec2& p : chosen) taps.emplace_back(p.x, p.y, 0.0f, 0.0f);
   return taps;
 }
 

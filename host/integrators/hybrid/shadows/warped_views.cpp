@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kParallel = 1e-3; // sine of the angle between light and camera below which there is nothing to warp
 constexpr double kNearestDepth =
-    0.01;                           // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
-constexpr double kFlattest = 0.01;  // ratio of least and largest w up to which a perspective is taken
-constexpr double kFocus = 0.25;     // share of the depths that a trapezoid gives most of the map to,
-constexpr double kFocusPlace = 0.6; // which ends there, between -1 and 1
+    0.01;                          // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
+constexpr double kFlattest = 0.01; // ratio of least and largest w up to which a perspective is taken
+constexpr double kFocus = 0.25;    // share of the depths that a trapezoid gives most of the map to,
+constexpr double kFocusPosition = 0.6; // which ends there, between -1 and 1
 
 struct Range {
   double lo = 1e300, hi = -1e300;
@@ -147,9 +147,9 @@ gpu::ShadowView trapezoidal_view(const ShadowFit& fit, const glm::dvec3& directi
   const double extent = ground.extent.extent();
   const double until = std::max(glm::dot(ground.along, focus) - ground.extent.lo, kNearestDepth * extent);
   // The perspective that moves the end of the focus to its place.
-  const double slack = (1.0 + kFocusPlace) * extent - 2.0 * until;
+  const double slack = (1.0 + kFocusPosition) * extent - 2.0 * until;
   if (slack <= 0.0) return parallel_view(fit, direction); // it has as much as that anyway
-  return warped_view(fit, direction, ground.seen_from((1.0 - kFocusPlace) * until * extent / slack, view));
+  return warped_view(fit, direction, ground.seen_from((1.0 - kFocusPosition) * until * extent / slack, view));
 }
 
 gpu::ShadowView camera_space_view(const ShadowFit& fit, const glm::dvec3& direction, const View& view) {

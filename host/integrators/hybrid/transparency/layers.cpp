@@ -56,7 +56,7 @@ std::vector<Binding> Layers::bindings(const LayerFrame& frame) const {
   using enum BindingKind;
   std::vector<Binding> bindings = workspace_.on_device->bindings();
   bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &workspace_.frame_buffer()},
-                                   {gpu::kBindPlaces, texels_r32ui, &unused_},
+                                   {gpu::kBindEntries, texels_r32ui, &unused_},
                                    {gpu::kBindHybrid, uniform, &frame.hybrid},
                                    {gpu::kBindGbuffer, storage, &frame.gbuffer},
                                    {gpu::kBindSeen, storage, &frame.seen},

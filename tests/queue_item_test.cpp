@@ -6,12 +6,12 @@
 
 #include "kernels/base/features.h"
 #include "tests/probe.h"
-#include "tests/probes/queue_place_probe.spv.h"
+#include "tests/probes/queue_item_probe.spv.h"
 
 namespace wavepath::test {
 namespace {
 
-class QueuePlaceTest : public VulkanTest {
+class QueueItemTest : public VulkanTest {
 protected:
   // By invocation.
   std::vector<std::uint32_t> places(std::uint32_t walk, std::uint32_t groups) {
@@ -19,12 +19,12 @@ protected:
     constants[gpu::kSpecWalk] = walk;
     const std::uint32_t count = groups * gpu::kWorkgroupSize;
     std::vector<ProbeBuffer> buffers{to_probe(std::vector<std::uint32_t>(count, gpu::kNone))};
-    run_probe(device(), wavepath_queue_place_probe_spv, count, buffers, constants);
+    run_probe(device(), wavepath_queue_item_probe_spv, count, buffers, constants);
     return from_probe<std::uint32_t>(buffers[0]);
   }
 };
 
-TEST_F(QueuePlaceTest, EachEntryIsTakenOnce) {
+TEST_F(QueueItemTest, EachEntryIsTakenOnce) {
   for (const std::uint32_t groups : {1u, 31u, 255u, 256u, 257u, 511u, 1000u, 2048u, 4095u}) {
     std::vector<std::uint32_t> taken = places(gpu::kWalkInStep, groups), all(taken.size());
     std::iota(all.begin(), all.end(), 0u);
@@ -33,13 +33,13 @@ TEST_F(QueuePlaceTest, EachEntryIsTakenOnce) {
   }
 }
 
-TEST_F(QueuePlaceTest, LanesThatGoTheirOwnWaysTakeTheirOwn) {
+TEST_F(QueueItemTest, LanesThatGoTheirOwnWaysTakeTheirOwn) {
   const std::vector<std::uint32_t> taken = places(gpu::kWalkByLane, 512);
   for (std::uint32_t i = 0; i < taken.size(); ++i) ASSERT_EQ(taken[i], i);
 }
 
 // What two, three or four threads run has as much of each eighth of the queue.
-TEST_F(QueuePlaceTest, EachThreadTakesSomeOfAllParts) {
+TEST_F(QueueItemTest, EachThreadTakesSomeOfAllParts) {
   constexpr std::size_t kParts = 8;
   const std::vector<std::uint32_t> taken = places(gpu::kWalkInStep, 2048);
   for (std::size_t threads = 2; threads <= 4; ++threads)
@@ -53,7 +53,7 @@ TEST_F(QueuePlaceTest, EachThreadTakesSomeOfAllParts) {
 }
 
 // Neighbours stay neighbours for long enough that threads seldom write to one line of the cache.
-TEST_F(QueuePlaceTest, NeighboursStayTogether) {
+TEST_F(QueueItemTest, NeighboursStayTogether) {
   const std::vector<std::uint32_t> taken = places(gpu::kWalkInStep, 2048);
   std::size_t cuts = 0;
   for (std::size_t i = 1; i < taken.size(); ++i) cuts += taken[i] != taken[i - 1] + 1;

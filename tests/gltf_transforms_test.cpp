@@ -46,7 +46,7 @@ std::vector<glm::dvec3> only_triangle(Scene scene) {
   return corners;
 }
 
-TEST(GltfPlaces, AFlatMeshIsTheSameWhereItsScaleIsZeroAcross) {
+TEST(GltfTransforms, AFlatMeshIsTheSameWhereItsScaleIsZeroAcross) {
   GltfBuilder b = leaning_triangle();
   b.root["nodes"][0]["scale"] = {1, 1, 0};
   const Scene scene = load(b);
@@ -58,7 +58,7 @@ TEST(GltfPlaces, AFlatMeshIsTheSameWhereItsScaleIsZeroAcross) {
 }
 
 // Which side is the front is as if the scale were not zero but small.
-TEST(GltfPlaces, AFlatMeshKeepsItsFront) {
+TEST(GltfTransforms, AFlatMeshKeepsItsFront) {
   const auto normal = [](const glm::dvec3& scale) {
     GltfBuilder b = leaning_triangle();
     b.root["nodes"][0]["scale"] = {scale.x, scale.y, scale.z};
@@ -73,7 +73,7 @@ TEST(GltfPlaces, AFlatMeshKeepsItsFront) {
       for (const double z : {0.0, 1e-20}) expect_near(normal({x, y, z}), {0, 0, 1});
 }
 
-TEST(GltfPlaces, MirroredFlatInstancesKeepTheirFronts) {
+TEST(GltfTransforms, MirroredFlatInstancesKeepTheirFronts) {
   GltfBuilder b = leaning_triangle();
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
       {"SCALE", b.floats("VEC3", {1, 1, 0, -1, 1, 0, 1, -1, 0, -1, -1, 0})}};
@@ -84,7 +84,7 @@ TEST(GltfPlaces, MirroredFlatInstancesKeepTheirFronts) {
 }
 
 // The corners of the scaled triangle are those of the formula.
-TEST(GltfPlaces, FlatScalesOfEveryKind) {
+TEST(GltfTransforms, FlatScalesOfEveryKind) {
   const auto turn = glm::rotate(glm::dmat4(1.0), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
   const auto back = glm::rotate(glm::dmat4(1.0), -1.1, glm::normalize(glm::dvec3(3, -1, 1)));
   const auto scale = [](double x, double y, double z) { return glm::scale(glm::dmat4(1.0), {x, y, z}); };
@@ -125,7 +125,7 @@ TEST(GltfPlaces, FlatScalesOfEveryKind) {
   }
 }
 
-TEST(GltfPlaces, WhatHasNoAreaIsLeftOutAndTold) {
+TEST(GltfTransforms, WhatHasNoAreaIsLeftOutAndTold) {
   GltfBuilder b = GltfBuilder::triangle();
   for (const json& scale : {json{0, 0, 0}, json{2, 0, 0}, json{0, 0, 3}, json{1e-200, 1e-200, 1e-200}})
     b.add("nodes", {{"mesh", 0}, {"scale", scale}});
@@ -136,7 +136,7 @@ TEST(GltfPlaces, WhatHasNoAreaIsLeftOutAndTold) {
   EXPECT_EQ(warning_count(scene, "not affine or not finite"), 1u);
 }
 
-TEST(GltfPlaces, FlatInstancesAreFlatInWorldSpace) {
+TEST(GltfTransforms, FlatInstancesAreFlatInWorldSpace) {
   GltfBuilder b = leaning_triangle();
   const auto h = static_cast<float>(std::sqrt(0.5));
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
@@ -161,7 +161,7 @@ TEST(GltfPlaces, FlatInstancesAreFlatInWorldSpace) {
 }
 
 // A tetrahedron on z = 0 loses its height.
-TEST(GltfPlaces, SolidsBecomeFlat) {
+TEST(GltfTransforms, SolidsBecomeFlat) {
   GltfBuilder b;
   b.mesh_node({{"POSITION", b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1})}},
               {{"indices", b.accessor<std::uint16_t>("SCALAR", test::kUshort, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3})}});
@@ -173,7 +173,7 @@ TEST(GltfPlaces, SolidsBecomeFlat) {
   EXPECT_EQ(pack(scene).triangle_count, 2u) << "the two walls on the axes have no area left";
 }
 
-TEST(GltfPlaces, AnimatedScalesPassZero) {
+TEST(GltfTransforms, AnimatedScalesPassZero) {
   GltfBuilder b = leaning_triangle();
   b.add("animations",
         {{"name", "move"},
@@ -192,7 +192,7 @@ TEST(GltfPlaces, AnimatedScalesPassZero) {
   }
 }
 
-TEST(GltfPlaces, WhatGrowsFromNothingMoves) {
+TEST(GltfTransforms, WhatGrowsFromNothingMoves) {
   GltfBuilder b = leaning_triangle();
   b.add("animations",
         {{"name", "move"},
@@ -211,7 +211,7 @@ TEST(GltfPlaces, WhatGrowsFromNothingMoves) {
 
 // ---- Matrices
 
-TEST(GltfPlaces, MatricesThatAreAffineButForRoundingAreAffine) {
+TEST(GltfTransforms, MatricesThatAreAffineButForRoundingAreAffine) {
   const auto instances = [](double off, std::size_t place) {
     GltfBuilder b = GltfBuilder::triangle();
     std::vector<double> matrix{2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 7, 0, 0, 1};
@@ -248,7 +248,7 @@ PunctualLight only_light(const GltfBuilder& builder) {
   return scene.lights.empty() ? PunctualLight{} : scene.lights[0];
 }
 
-TEST(GltfPlaces, ALightOfItsOwnScaleIsTheSameLight) {
+TEST(GltfTransforms, ALightOfItsOwnScaleIsTheSameLight) {
   for (const char* type : {"point", "spot", "directional"})
     for (const json& scale :
          {json{1, 1, 1}, json{0, 0, 0}, json{5, 5, 5}, json{1, 0, 2}, json{1, 1, 0}, json{0, 0, 1}, json{-2, 0, 1},
@@ -265,7 +265,7 @@ TEST(GltfPlaces, ALightOfItsOwnScaleIsTheSameLight) {
 }
 
 // A parent's scale counts for the position and, as far as it leaves one, for the orientation.
-TEST(GltfPlaces, AParentsScaleMovesAndTurnsALight) {
+TEST(GltfTransforms, AParentsScaleMovesAndTurnsALight) {
   const auto light_below = [](const json& scale, const json& rotation) {
     GltfBuilder b = with_light("spot");
     b.root["nodes"][0]["translation"] = {1, 2, 3};
@@ -288,7 +288,7 @@ TEST(GltfPlaces, AParentsScaleMovesAndTurnsALight) {
   expect_near(light_below({1, 3, 1}, aslant).direction, glm::normalize(sheared), 1e-12);
 }
 
-TEST(GltfPlaces, ALightBelowAFlatMatrixKeepsADirection) {
+TEST(GltfTransforms, ALightBelowAFlatMatrixKeepsADirection) {
   GltfBuilder b = with_light("directional");
   b.root["nodes"][0]["matrix"] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 1}; // a quarter turn about z, no z
   expect_near(only_light(b).direction, {0, 0, -1});
@@ -297,7 +297,7 @@ TEST(GltfPlaces, ALightBelowAFlatMatrixKeepsADirection) {
   expect_near(only_light(b).position, {1, 2, 3});
 }
 
-TEST(GltfPlaces, AnAnimatedScaleOfZeroKeepsTheLight) {
+TEST(GltfTransforms, AnAnimatedScaleOfZeroKeepsTheLight) {
   GltfBuilder b = with_light("point");
   b.root["nodes"][0]["translation"] = {0, 0, 2};
   b.add("animations",
@@ -311,7 +311,7 @@ TEST(GltfPlaces, AnAnimatedScaleOfZeroKeepsTheLight) {
   }
 }
 
-TEST(GltfPlaces, ACameraOfAnyScaleSeesTheSame) {
+TEST(GltfTransforms, ACameraOfAnyScaleSeesTheSame) {
   for (const json& scale : {json{1, 1, 1}, json{0, 0, 0}, json{1, 0, 1}, json{4, 4, 4}, json{0, 1, 0}}) {
     GltfBuilder b;
     b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
@@ -327,7 +327,7 @@ TEST(GltfPlaces, ACameraOfAnyScaleSeesTheSame) {
 
 // ---- KHR_node_visibility
 
-TEST(GltfPlaces, HiddenNodesHideAllBelowThemButCameras) {
+TEST(GltfTransforms, HiddenNodesHideAllBelowThemButCameras) {
   GltfBuilder b = with_light("point"); // node 0
   b.add("meshes",
         {{"primitives",
@@ -361,7 +361,7 @@ TEST(GltfPlaces, HiddenNodesHideAllBelowThemButCameras) {
 }
 
 // The joints of a skin may be hidden, its mesh is what is seen.
-TEST(GltfPlaces, HiddenJointsMoveAVisibleMesh) {
+TEST(GltfTransforms, HiddenJointsMoveAVisibleMesh) {
   GltfBuilder b = test::full();
   b.root["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = false;
   EXPECT_EQ(load(b).instances.size(), 1u);
@@ -371,7 +371,7 @@ TEST(GltfPlaces, HiddenJointsMoveAVisibleMesh) {
 
 // ---- EXT_mesh_gpu_instancing
 
-TEST(GltfPlaces, GpuInstancing) {
+TEST(GltfTransforms, GpuInstancing) {
   GltfBuilder b = GltfBuilder::triangle();
   b.root["nodes"][0]["translation"] = {10, 0, 0};
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
@@ -385,7 +385,7 @@ TEST(GltfPlaces, GpuInstancing) {
   expect_near(scene.instances[1].world_from_object * glm::dvec4(1, 0, 0, 1), {8, 5, 0}); // half a turn about z
 }
 
-TEST(GltfPlaces, InstancesAreCountedByAnyAttribute) {
+TEST(GltfTransforms, InstancesAreCountedByAnyAttribute) {
   const auto load_with = [](GltfBuilder b, const json& attributes) {
     b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = attributes;
     return load(b);
