@@ -338,9 +338,9 @@ TEST(Info, TellsWhatARenderTakes) {
     if (name != "total") sum += bytes.get<std::uint64_t>();
   EXPECT_EQ(smooth["bytes"]["total"], sum);
 
-  const Json ways = renders(bulb, {});
-  ASSERT_EQ(ways.size(), 3u) << "those of --integrator auto";
-  EXPECT_EQ(ways[1]["flags"], "path --guide");
+  const Json candidates = renders(bulb, {});
+  ASSERT_EQ(candidates.size(), 3u) << "those of --integrator auto";
+  EXPECT_EQ(candidates[1]["flags"], "path --guide");
   const Outcome text = run_wavepath({"info", kBox, "--integrator", "bidirectional"});
   for (const char* words :
        {"\n  bidirectional\n    at 1280x720 at most ", "\n    film of splats ", "\n    light vertices "})

@@ -66,14 +66,16 @@ TEST_F(IntegratorChoiceTest, TakesBidirectionalWhereALampIsBehindGlass) {
 }
 
 TEST_F(IntegratorChoiceTest, LeavesOutWhatDoesNotFitIntoMemory) {
-  const auto paths_alone = [](const RenderPlan& way) { return !way.guide && !way.integrator->splats; };
+  const auto paths_alone = [](const RenderPlan& candidate) {
+    return !candidate.guide && !candidate.integrator->splats;
+  };
   const IntegratorChoice alone = choose("caustics/bulb_point.glb", settings(64), {}, paths_alone);
   EXPECT_EQ(alone.settings.integrator, &kPath);
   EXPECT_TRUE(alone.trials.empty());
   EXPECT_EQ(choice_text(alone),
             "auto took path without a trial; there is too little memory for path --guide or "
             "bidirectional --techniques hit,light,connect,splat");
-  const auto no_guide = [](const RenderPlan& way) { return !way.guide; };
+  const auto no_guide = [](const RenderPlan& candidate) { return !candidate.guide; };
   const IntegratorChoice two = choose("caustics/bulb_point.glb", settings(64), {}, no_guide);
   EXPECT_EQ(two.settings.integrator, &kBidirectional);
   EXPECT_EQ(two.trials.size(), 2u);

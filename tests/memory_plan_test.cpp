@@ -98,7 +98,7 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
 }
 
 // What auto asks for is the way that it takes without a trial; the others may take more.
-TEST(MemoryPlan, TellsWaysOfAutoApart) {
+TEST(MemoryPlan, TellsCandidatesOfAutoApart) {
   const DeviceInfo cpu = device_of("cpu");
   const RenderPlan automatic = settings_of(automatic_integrator()), path = settings_of(kPath);
   RenderPlan guided = path;

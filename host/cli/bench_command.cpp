@@ -173,10 +173,10 @@ Command add_bench(CLI::App& app) {
   add_flag(*command, "Output", {"--json", "FILE", "file for every number, as a JSON document", "not written"},
            [=](const FlagValue& value) { request->json = value.text; });
   add_switch(*command, "Output", {"-q,--quiet", "", "print no progress", "off"}, request->quiet);
-  static constexpr Wording kWordings[] = {{"size", nullptr, "480x270 on a CPU device, else 1920x1080"}};
+  static constexpr HelpOverride kHelpOverrides[] = {{"size", nullptr, "480x270 on a CPU device, else 1920x1080"}};
   add_scene_flags(*command, request->scene, false);
   add_view_flags(*command, request->scene.view);
-  add_settings(*command, kByBench, SettingGroup::picture, request->render, kWordings);
+  add_settings(*command, kByBench, SettingGroup::picture, request->render, kHelpOverrides);
   add_settings(*command, kByBench, SettingGroup::lens, request->render);
   add_transport_flags(*command, kByBench, request->render);
   return [request] { return request->kernels ? run_compiler(*request) : run_bench(*request); };

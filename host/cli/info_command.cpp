@@ -90,13 +90,13 @@ Json to_json(const std::vector<MemoryItem>& items) {
 
 // What a render takes besides the scene: each of the ways that --integrator auto may take.
 Json describe_renders(const RenderPlan& settings, const ScenePlan& planned, const PackedScene& packed) {
-  std::vector<RenderPlan> ways = {settings};
-  if (settings.integrator->candidates) ways = settings.integrator->candidates(settings, packed);
+  std::vector<RenderPlan> candidates = {settings};
+  if (settings.integrator->candidates) candidates = settings.integrator->candidates(settings, packed);
   Json renders = Json::array();
-  for (const RenderPlan& way : ways) {
-    const MemoryPlan plan = plan_memory(way, planned, packed.features);
-    renders.push_back({{"flags", way_text(way)},
-                       {"size", {way.width, way.height}},
+  for (const RenderPlan& candidate : candidates) {
+    const MemoryPlan plan = plan_memory(candidate, planned, packed.features);
+    renders.push_back({{"flags", candidate_text(candidate)},
+                       {"size", {candidate.width, candidate.height}},
                        {"bytes", to_json(plan.render)},
                        {"path_bytes", to_json(plan.path)}});
   }

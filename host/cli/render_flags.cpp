@@ -63,23 +63,23 @@ constexpr const char* heading_of(SettingGroup group) {
 }
 
 constexpr std::array kOfRender = {
-    Wording{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
+    HelpOverride{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
 
-const Wording* find(std::span<const Wording> wordings, std::string_view name) {
-  const auto found = std::ranges::find(wordings, name, &Wording::name);
-  return found == wordings.end() ? nullptr : &*found;
+const HelpOverride* find(std::span<const HelpOverride> help_overrides, std::string_view name) {
+  const auto found = std::ranges::find(help_overrides, name, &HelpOverride::name);
+  return found == help_overrides.end() ? nullptr : &*found;
 }
 
-Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
+Flag flag_of(const Setting& row, Offer command, const HelpOverride* help_override) {
   const std::vector<std::string_view> names = choices_of(row);
   const bool is_switch = std::holds_alternative<SwitchValue>(row.value);
   Flag flag{fmt::format("--{}", row.name),
             is_switch                                   ? ""
             : names.empty() || !row.placeholder.empty() ? row.placeholder
                                                         : fmt::format("{}", fmt::join(names, "|")),
-            wording && wording->meaning ? wording->meaning : row.meaning,
+            help_override && help_override->meaning ? help_override->meaning : row.meaning,
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial, row.advanced};
-  if (wording && wording->initial) flag.initial = wording->initial;
+  if (help_override && help_override->initial) flag.initial = help_override->initial;
   const bool by_all =
       std::ranges::all_of(integrators(), [&](const IntegratorKind* kind) { return is_supported(row, *kind); });
   if (!by_all && (setting_named("integrator").offered & command))
@@ -92,7 +92,7 @@ void add_transport_settings(CLI::App& app, Offer command, RenderRequest& request
                                    SettingGroup::hybrid, SettingGroup::shadows, SettingGroup::occlusion,
                                    SettingGroup::shading, SettingGroup::transparency, SettingGroup::others})
     add_settings(app, command, group, request,
-                 command == kByRender ? std::span<const Wording>(kOfRender) : std::span<const Wording>());
+                 command == kByRender ? std::span<const HelpOverride>(kOfRender) : std::span<const HelpOverride>());
 }
 
 } // namespace
@@ -114,23 +114,23 @@ bool is_given(const RenderRequest& request, std::string_view setting) {
 }
 
 void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
-                  std::span<const Wording> wordings, const char* heading) {
+                  std::span<const HelpOverride> help_overrides, const char* heading) {
   if (!heading) heading = heading_of(group);
   for (const Setting& row : settings_table()) {
     if (row.group != group || !(row.offered & command)) continue;
-    const Wording* wording = find(wordings, row.name);
-    const std::uint32_t highest = wording ? wording->highest : 0;
+    const HelpOverride* help_override = find(help_overrides, row.name);
+    const std::uint32_t highest = help_override ? help_override->highest : 0;
     const auto read = [&row, &request, highest](const FlagValue& value) {
       if (highest > 0) value.whole_number(0, highest);
       read_setting(row, value.text, request.settings);
       request.given.push_back(row.name);
     };
     if (std::holds_alternative<SwitchValue>(row.value))
-      add_switch(app, heading, flag_of(row, command, wording), [read](bool on) {
+      add_switch(app, heading, flag_of(row, command, help_override), [read](bool on) {
         read(FlagValue{{}, on ? "on" : "off"});
       });
     else
-      add_flag(app, heading, flag_of(row, command, wording), read);
+      add_flag(app, heading, flag_of(row, command, help_override), read);
   }
 }
 

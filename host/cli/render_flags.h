@@ -59,7 +59,7 @@ std::vector<std::string> spelled_out(std::vector<std::string> words);
 bool is_given(const RenderRequest& request, std::string_view setting);
 
 // What a command says otherwise about a setting than the table does.
-struct Wording {
+struct HelpOverride {
   std::string_view name;         // of the setting
   const char* meaning = nullptr; // null = as in the table
   const char* initial = nullptr;
@@ -69,7 +69,7 @@ struct Wording {
 // The requests must outlive the parsing of `app`. The flags of all settings of a group that the command offers; with
 // `heading`, under that one instead of the group's own.
 void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
-                  std::span<const Wording> wordings = {}, const char* heading = nullptr);
+                  std::span<const HelpOverride> help_overrides = {}, const char* heading = nullptr);
 
 // All settings of `render`, for a command that tells of a render without making it.
 void add_settings_of_render(CLI::App& app, RenderRequest& request);

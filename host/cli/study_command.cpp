@@ -300,7 +300,7 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   add_flag(*command, group,
            {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its part of the budget"},
            [&study](const FlagValue& value) { study.reference_spp = value.whole_number(2, 1 << 24); });
-  static constexpr Wording kWordings[] = {
+  static constexpr HelpOverride kHelpOverrides[] = {
       {"size", nullptr, "256x256"},
       {"filter", nullptr, "box, or what the reference has"},
       {"max-depth", "longest path in bounces, that of the reference too"},
@@ -308,7 +308,7 @@ Command add_study(CLI::App& app, const std::string& command_line) {
        kHighestSeed}};
   for (const SettingGroup settings :
        {SettingGroup::picture, SettingGroup::lens, SettingGroup::transport, SettingGroup::speed})
-    add_settings(*command, kByStudy, settings, request->render, kWordings, group);
+    add_settings(*command, kByStudy, settings, request->render, kHelpOverrides, group);
   add_device_flag(*command, request->render, group);
   add_switch(*command, group, {"-q,--quiet", "", "print no progress and no summary", "off"}, request->quiet);
   add_scene_flags(*command, request->scene, true);

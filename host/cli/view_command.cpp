@@ -260,12 +260,13 @@ int run_view(ViewCommandRequest& request) {
 
 void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
   const char* group = "Window";
-  static constexpr Wording kWordings[] = {{"spp", "samples per pixel after which rendering ends", "65536", kMostFrames},
-                                          {"target-error",
-                                           "estimated relative RMS error to reach; 0.01 is 1 %. The window tells how "
-                                           "long that takes, and stops there unless "
-                                           "--frames is given"}};
-  add_settings(app, kByView, SettingGroup::stop, request.render, kWordings, group);
+  static constexpr HelpOverride kHelpOverrides[] = {
+      {"spp", "samples per pixel after which rendering ends", "65536", kMostFrames},
+      {"target-error",
+       "estimated relative RMS error to reach; 0.01 is 1 %. The window tells how "
+       "long that takes, and stops there unless "
+       "--frames is given"}};
+  add_settings(app, kByView, SettingGroup::stop, request.render, kHelpOverrides, group);
   add_flag(app, group,
            {"--show", "WHAT",
             "quantity that is shown first: color, albedo, normal, depth, position, direct, indirect, emission, "

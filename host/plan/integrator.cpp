@@ -109,7 +109,7 @@ double doubt_of(const Tried& pilot) {
 
 // Against the first and the brightest of the pilots.
 Trial judge(const Tried& pilot, const Tried& first, const PictureLight& brightest) {
-  Trial trial{.flags = way_text(pilot.settings)};
+  Trial trial{.flags = candidate_text(pilot.settings)};
   const double ours = cost_of(pilot), theirs = cost_of(first);
   trial.cost = theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0; // a black picture is as good as another
   const double doubt = &pilot == &first ? 0.0 : std::hypot(doubt_of(pilot), doubt_of(first));
@@ -186,7 +186,7 @@ std::vector<std::string> exceptions_of(const IntegratorChoice& choice) {
 
 } // namespace
 
-std::string way_text(const RenderPlan& settings) {
+std::string candidate_text(const RenderPlan& settings) {
   std::string text(settings.integrator->name);
   for (const Setting& row : settings_table())
     if (row.decides == Decides::picture && row.supported_by != SupportedBy::all &&
@@ -219,7 +219,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
     if (fits(all[i]))
       candidates.push_back(all[i]);
     else
-      choice.too_large.push_back(way_text(all[i]));
+      choice.too_large.push_back(candidate_text(all[i]));
   if (candidates.size() < 2) return choice;
   choice.pilot = PilotRunner::picture_of(kIntegratorPilot, settings);
   std::vector<Tried> tried;
@@ -246,7 +246,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
       try {
         tried.push_back(try_out(candidates[i], kFirstRound));
       } catch (const DeviceLimit&) {
-        choice.refused.push_back(way_text(candidates[i]));
+        choice.refused.push_back(candidate_text(candidates[i]));
       }
     }
   }
@@ -284,7 +284,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
 
 std::string choice_text(const IntegratorChoice& choice) {
   const std::string reason = reason_of(choice);
-  std::string text = fmt::format("auto took {}{}{}{}", way_text(choice.settings),
+  std::string text = fmt::format("auto took {}{}{}{}", candidate_text(choice.settings),
                                  choice.trials.empty() ? " without a trial" : "", reason.empty() ? "" : ": ", reason);
   for (const std::string& clause : exceptions_of(choice)) text += "; " + clause;
   return text;

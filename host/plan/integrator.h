@@ -42,7 +42,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
                                    const std::function<bool(const RenderPlan&)>& fits);
 
 // The integrator and what else of a way to render differs from the default: "path --guide", as the command line has it.
-std::string way_text(const RenderPlan& settings);
+std::string candidate_text(const RenderPlan& settings);
 
 // "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
 std::string choice_text(const IntegratorChoice& choice);

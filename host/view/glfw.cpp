@@ -98,11 +98,11 @@ void GlfwWindow::on_button(int button, int action, int modifiers) {
 
 void GlfwWindow::on_move(double x, double y) {
   events_ = true;
-  const glm::dvec2 position = pixels_per_unit() * glm::dvec2(x, y), way = position - input_.pointer;
+  const glm::dvec2 position = pixels_per_unit() * glm::dvec2(x, y), moved = position - input_.pointer;
   input_.pointer = position;
-  if (dragging_ == GLFW_MOUSE_BUTTON_LEFT) input_.drag_left += way;
-  if (dragging_ == GLFW_MOUSE_BUTTON_MIDDLE) input_.drag_middle += way;
-  if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT) input_.drag_right += way;
+  if (dragging_ == GLFW_MOUSE_BUTTON_LEFT) input_.drag_left += moved;
+  if (dragging_ == GLFW_MOUSE_BUTTON_MIDDLE) input_.drag_middle += moved;
+  if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT) input_.drag_right += moved;
 }
 
 glm::uvec2 GlfwWindow::size() const {

@@ -31,8 +31,8 @@ bool steer(CameraControl& camera, const Input& input, const Flight& flight, doub
     moved = true;
   }
   if (input.scroll != 0.0) camera.dolly(kNotch * input.scroll), moved = true;
-  if (flight.way != glm::dvec3(0.0)) {
-    camera.fly(std::min(seconds, kLongestStep) * kSpeed * (flight.fast ? kFast : 1.0) * flight.way);
+  if (flight.direction != glm::dvec3(0.0)) {
+    camera.fly(std::min(seconds, kLongestStep) * kSpeed * (flight.fast ? kFast : 1.0) * flight.direction);
     moved = true;
   }
   return moved;

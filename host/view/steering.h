@@ -8,7 +8,7 @@ namespace wavepath {
 
 // The keys that are held: which way to fly, in lengths of 1, and whether fast.
 struct Flight {
-  glm::dvec3 way{0.0}; // right, up, forward
+  glm::dvec3 direction{0.0}; // right, up, forward
   bool fast = false;
 };
 

@@ -26,11 +26,11 @@ layout(local_size_x = kWorkgroupSize) in;
 // Whether the photon is on the same piece of surface as v: within the radius, in a flat disk around it, facing the same
 // way.
 bool is_near(Vertex v, Photon photon) {
-  const float kFlat = 0.25, kSameWay = 0.8;
+  const float kFlat = 0.25, kSameDirection = 0.8;
   vec3 offset = photon.position - v.surface.position, normal = v.surface.geometric_normal;
   float radius = photon_frame.radius;
   return dot(offset, offset) < square(radius) && abs(dot(offset, normal)) < kFlat * radius &&
-         dot(unpackSnorm4x8(photon.normal).xyz, normal) > kSameWay;
+         dot(unpackSnorm4x8(photon.normal).xyz, normal) > kSameDirection;
 }
 
 // Light that the photon brings, times the area that it stands for.

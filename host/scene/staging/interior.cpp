@@ -165,7 +165,7 @@ double enclosed_fraction(const Geometry& geometry, const Bounds& bounds) {
   return static_cast<double>(enclosed) / (cells.x * cells.y * cells.z);
 }
 
-struct Way {
+struct Vista {
   double length = 0.0, azimuth = 0.0;
   double worth = 0.0; // its length times the middle distance across the picture
 };
@@ -173,20 +173,20 @@ struct Way {
 // The worthiest free way that begins at `eye`; none where a wall is close on any side. Its length is the second
 // shortest of a few rays side by side, so that it is as wide as a person, but one chair leg does not end it. What leads
 // out, or to a back that may not be seen, is no way.
-Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double clearance) {
+Vista longest_vista(const Geometry& geometry, const glm::dvec3& eye, double clearance) {
   constexpr int kAzimuths = 96, kAside = 2, kWide = 10; // rays to either side: of 15 degrees in all, of 75
-  double ways[kAzimuths], seen[kAzimuths];
+  double distances[kAzimuths], seen[kAzimuths];
   for (int a = 0; a < kAzimuths; ++a) {
     const double azimuth = 2.0 * pi * a / kAzimuths;
     const Sight sight = look(geometry, eye, {std::sin(azimuth), 0.0, std::cos(azimuth)});
     if (sight.distance < clearance) return {};
     seen[a] = std::isinf(sight.distance) ? clearance : sight.distance;
-    ways[a] = std::isinf(sight.distance) || !sight.front ? 0.0 : sight.distance;
+    distances[a] = std::isinf(sight.distance) || !sight.front ? 0.0 : sight.distance;
   }
-  Way longest;
+  Vista longest;
   for (int a = 0; a < kAzimuths; ++a) {
     double near[2 * kAside + 1], wide = 0.0;
-    for (int i = 0; i <= 2 * kAside; ++i) near[i] = ways[(a + i - kAside + kAzimuths) % kAzimuths];
+    for (int i = 0; i <= 2 * kAside; ++i) near[i] = distances[(a + i - kAside + kAzimuths) % kAzimuths];
     std::nth_element(near, near + 1, std::end(near));
     for (int i = -kWide; i <= kWide; ++i)
       wide += std::log(std::max(seen[(a + i + kAzimuths) % kAzimuths], clearance)) / (2 * kWide + 1);
@@ -251,12 +251,12 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
         last_floor = floor_y;
         const double height = floor.distance + std::min(ceiling.distance, bounds.hi.y - middle.y);
         const glm::dvec3 eye(middle.x, floor_y + eye_height(height), middle.z);
-        const Way way = longest_way(geometry, eye, clearance);
-        if (way.worth == 0.0) continue;
+        const Vista vista = longest_vista(geometry, eye, clearance);
+        if (vista.worth == 0.0) continue;
         y = cells.y; // the lowest floor to stand on; others are roofs and galleries
-        if (way.worth <= best || !is_enclosed(geometry, eye, kCovered)) continue;
-        best = way.worth;
-        found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};
+        if (vista.worth <= best || !is_enclosed(geometry, eye, kCovered)) continue;
+        best = vista.worth;
+        found = Standpoint{eye, eye + vista.length * glm::dvec3(std::sin(vista.azimuth), 0.0, std::cos(vista.azimuth))};
       }
     }
   if (found && is_closed(geometry, bounds)) hang_lamp(geometry, *found);

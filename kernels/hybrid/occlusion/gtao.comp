@@ -12,11 +12,11 @@ const float kFullReach = 0.8;
 // Cosine of the angle between the direction to the eye and the horizon towards `direction`; at least `lowest`, that of
 // the tangent plane.
 float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
-  Way way = way_of(receiver, direction);
+  March march = march_of(receiver, direction);
   float horizon = lowest;
-  for (uint step = 0u; step < way.steps; ++step) {
+  for (uint step = 0u; step < march.steps; ++step) {
     vec3 offset;
-    if (!surface_at(receiver, step_position(way, receiver, step, u), offset)) continue;
+    if (!surface_at(receiver, step_position(march, receiver, step, u), offset)) continue;
     float distance_ = length(offset);
     float weight = clamp((1.0 - distance_ / hybrid.ao_radius) / (1.0 - kFullReach), 0.0, 1.0);
     float cosine = mix(lowest, dot(offset, receiver.to_eye) / max(distance_, 1e-30), weight);

@@ -16,11 +16,11 @@ float sine_of_tangent(Receiver receiver, vec3 direction) {
 // Of one direction: the integral of the cosine of the elevation from the tangent to the horizon, piece by piece, each
 // weighed by the distance of what raised it.
 float rise(Receiver receiver, vec3 direction, float u) {
-  Way way = way_of(receiver, direction);
+  March march = march_of(receiver, direction);
   float horizon = sine_of_tangent(receiver, direction), sum = 0.0;
-  for (uint step = 0u; step < way.steps; ++step) {
+  for (uint step = 0u; step < march.steps; ++step) {
     vec3 offset;
-    if (!surface_at(receiver, step_position(way, receiver, step, u), offset)) continue;
+    if (!surface_at(receiver, step_position(march, receiver, step, u), offset)) continue;
     float distance_ = length(offset);
     float sine = dot(offset, receiver.to_eye) / max(distance_, 1e-30);
     if (!(distance_ < hybrid.ao_radius) || !(sine > horizon)) continue;

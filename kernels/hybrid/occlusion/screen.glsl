@@ -112,28 +112,28 @@ bool surface_at(Receiver receiver, vec2 position, out vec3 offset) {
 }
 
 // A way across the picture from the receiver, towards a direction at right angles to its view.
-struct Way {
+struct March {
   vec2 direction; // of unit length, in pixels
   float length_;  // until the radius or the outermost pixels' centres
   uint steps;
 };
 
-Way way_of(Receiver receiver, vec3 direction) {
+March march_of(Receiver receiver, vec3 direction) {
   vec2 rate = pixels_per_metre(receiver, direction);
   float speed = max(length(rate), 1e-30);
-  Way way;
-  way.direction = rate / speed;
-  vec2 edge = mix(receiver.centre, picture_size() - receiver.centre, greaterThan(way.direction, vec2(0.0))) - 0.5;
-  vec2 to_edge = edge / max(abs(way.direction), vec2(1e-6));
-  way.length_ = min(min(to_edge.x, to_edge.y), hybrid.ao_radius * speed);
-  way.steps = way.length_ < 1.0 ? 0u : min(kSteps, uint(ceil(way.length_)));
-  return way;
+  March march;
+  march.direction = rate / speed;
+  vec2 edge = mix(receiver.centre, picture_size() - receiver.centre, greaterThan(march.direction, vec2(0.0))) - 0.5;
+  vec2 to_edge = edge / max(abs(march.direction), vec2(1e-6));
+  march.length_ = min(min(to_edge.x, to_edge.y), hybrid.ao_radius * speed);
+  march.steps = march.length_ < 1.0 ? 0u : min(kSteps, uint(ceil(march.length_)));
+  return march;
 }
 
 // Of a step, at a random place of its stretch of the way. Stretches grow with their distance, from one pixel on.
-vec2 step_position(Way way, Receiver receiver, uint step, float u) {
-  float fraction = (float(step) + u) / float(way.steps);
-  return receiver.centre + way.direction * (1.0 + (way.length_ - 1.0) * fraction * fraction);
+vec2 step_position(March march, Receiver receiver, uint step, float u) {
+  float fraction = (float(step) + u) / float(march.steps);
+  return receiver.centre + march.direction * (1.0 + (march.length_ - 1.0) * fraction * fraction);
 }
 
 #endif
