@@ -361,7 +361,7 @@ std::vector<Move> moves(std::uint32_t width, std::uint32_t height) {
 }
 
 // The last frame brings no values at all, so that what comes out is what the filter remembers.
-TEST_F(DenoiseTest, ThePastMovesWithTheCamera) {
+TEST_F(DenoiseTest, TheHistoryMovesWithTheCamera) {
   const std::uint32_t width = 96, height = 64;
   for (const Move& move : moves(width, height)) {
     SCOPED_TRACE(move.name);
@@ -384,7 +384,7 @@ TEST_F(DenoiseTest, ThePastMovesWithTheCamera) {
   }
 }
 
-TEST_F(DenoiseTest, WhatComesIntoViewHasNoPast) {
+TEST_F(DenoiseTest, WhatComesIntoViewHasNoHistory) {
   const std::uint32_t width = 96, height = 32;
   for (std::uint32_t foreground : {1u, 2u}) { // a surface that stands before itself, and before another
     SCOPED_TRACE(foreground);
@@ -525,7 +525,7 @@ TEST_F(TaaTest, OutlinesOfStillPicturesBecomeSmooth) {
   }
 }
 
-TEST_F(TaaTest, ThePastMovesWithTheCamera) {
+TEST_F(TaaTest, TheHistoryMovesWithTheCamera) {
   const std::uint32_t width = 96, height = 64;
   for (const Move& move : moves(width, height)) {
     SCOPED_TRACE(move.name);

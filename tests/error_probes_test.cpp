@@ -430,8 +430,8 @@ class Watched : public Integrator {
 public:
   Watched(const Workspace& workspace, std::unique_ptr<Integrator> inner)
       : workspace_(workspace), inner_(std::move(inner)) {}
-  void change(const View& view, const RenderPlan& settings, Past past) override {
-    inner_->change(view, settings, past);
+  void change(const View& view, const RenderPlan& settings, TemporalHistory history) override {
+    inner_->change(view, settings, history);
   }
   bool is_ready() override { return inner_->is_ready(); }
   double get_ready() override { return inner_->get_ready(); }

@@ -9,8 +9,9 @@ WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, c
   warm.view = view;
   warm.kernels = std::make_unique<KernelCompiler>(device);
   // All paths that fit in a wave, and no estimates: the same work every time.
-  const Pace pace{.estimates = Estimates::none, .fixed_wave = choose_slots(device.info(), scene.features, settings)};
-  warm.loop = std::make_unique<RenderLoop>(device, scene, view, settings, *warm.kernels, RenderHooks{}, pace);
+  const LoopPolicy policy{.estimates = Estimates::none,
+                          .fixed_wave = choose_slots(device.info(), scene.features, settings)};
+  warm.loop = std::make_unique<RenderLoop>(device, scene, view, settings, *warm.kernels, RenderHooks{}, policy);
   warm.compile_seconds = warm.loop->get_ready();
   return warm;
 }

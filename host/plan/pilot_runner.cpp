@@ -44,7 +44,8 @@ PilotRender PilotRunner::run(const RenderPlan& pilot) {
     loop->restart(view_, pilot);
   } else {
     loop.reset(); // the device may not hold both at once
-    loop = std::make_unique<RenderLoop>(device_, scene_, view_, pilot, kernels_, RenderHooks{}, Pace{}, shared_.scene);
+    loop = std::make_unique<RenderLoop>(device_, scene_, view_, pilot, kernels_, RenderHooks{}, LoopPolicy{},
+                                        shared_.scene);
   }
   if (!shared_.scene) {
     shared_.scene = loop->workspace().on_device;

@@ -6,7 +6,7 @@
 
 #include "kernels/hybrid/denoise.glsl"
 
-layout(set = 0, binding = kFilterPastTexels) uniform usamplerBuffer past_texels;
+layout(set = 0, binding = kFilterShapes) uniform usamplerBuffer shape_texels;
 layout(set = 0, binding = kFilterMomentsTexels) uniform samplerBuffer moments_texels;
 layout(set = 0, binding = kFilterSlopeTexels) uniform usamplerBuffer slope_texels;
 layout(set = 0, binding = kFilterGuideOut, std430) writeonly buffer GuideBlock { uvec4 guide_out[]; };
@@ -22,7 +22,7 @@ vec2 spatial_variance(ivec2 pixel, uvec4 here, vec4 moments, vec2 slope, bool yo
   for (int i = 0; i < (young ? kWindow * kWindow : 0); ++i) {
     ivec2 offset = ivec2(i % kWindow, i / kWindow) - kWindow / 2;
     int index = pixel_index(pixel + offset);
-    uvec4 there = texelFetch(past_texels, index);
+    uvec4 there = texelFetch(shape_texels, index);
     vec4 other = texelFetch(moments_texels, index);
     Likeness likeness = compare_shapes(here, normal, slope, there, vec2(offset));
     float weight = in_picture(pixel + offset) ? likeness.weight * exp(-likeness.distance) : 0.0;
@@ -40,7 +40,7 @@ void main() {
   ivec2 pixel = lane_pixel();
   if (!in_picture(pixel)) return;
   int index = pixel_index(pixel);
-  uvec4 here = texelFetch(past_texels, index);
+  uvec4 here = texelFetch(shape_texels, index);
   vec4 moments = texelFetch(moments_texels, index);
   uvec2 lengths = unpack_lengths(here.w);
   bvec2 young = bvec2(kWantDirect && lengths.x < kEnoughFrames, kWantOcclusion && lengths.y < kEnoughFrames);

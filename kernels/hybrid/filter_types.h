@@ -49,9 +49,9 @@ GPU_CONSTANT uint kFilterColorOut = 3u;      // storage vec4[]
 GPU_CONSTANT uint kFilterHistoryBefore = 4u; // texels RGBA32F
 GPU_CONSTANT uint kFilterHistoryNow = 5u;    // storage vec4[]
 // Of the denoiser alone, see kernels/denoise.glsl.
-GPU_CONSTANT uint kFilterPastBefore = 6u; // texels RGBA32UI: packed shape, frames in the history
-GPU_CONSTANT uint kFilterPastNow = 7u;    // storage uvec4[]
-GPU_CONSTANT uint kFilterPastTexels = 8u; // texels RGBA32UI: the same memory, for reading
+GPU_CONSTANT uint kFilterShapesBefore = 6u; // texels RGBA32UI: packed shape, frames in the history
+GPU_CONSTANT uint kFilterShapesNow = 7u;    // storage uvec4[]
+GPU_CONSTANT uint kFilterShapes = 8u;       // texels RGBA32UI: the same memory, for reading
 GPU_CONSTANT uint kFilterMomentsBefore =
     9u; // texels RGBA32F: mean and variance of the direct light, of the unoccluded share
 GPU_CONSTANT uint kFilterMomentsNow = 10u;    // storage vec4[]

@@ -99,9 +99,9 @@ void main() {
   vec3 deviation = sqrt(max(squares / max(count, 1.0) - mean * mean, 0.0));
 
   vec2 position = vec2(pixel) + motion(pixel);
-  bool past =
+  bool has_history =
       frames.remembers != 0u && all(greaterThan(position, vec2(-0.5))) && all(lessThan(position, vec2(picture_size()) - 0.5));
-  vec4 history = past ? history_at(position) : vec4(0.0);
+  vec4 history = has_history ? history_at(position) : vec4(0.0);
   if (count > 0.0) history.xyz = clip(history.xyz, mean, deviation);
 
   vec3 color = texelFetch(color_in, index).xyz;

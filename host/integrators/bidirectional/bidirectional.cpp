@@ -79,34 +79,36 @@ enum OwnBuffer : std::size_t {
 };
 const std::vector<BufferRule> kRules = {
     {"constants",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::BidirectionalFrame)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::BidirectionalFrame)}; },
      {{gpu::kBindBidirectional, BindingKind::uniform}}},
     {"path weights",
-     [](const Extent& e) { return e.slots * sizeof(gpu::PathWeights); },
+     [](const BufferDimensions& e) { return e.slots * sizeof(gpu::PathWeights); },
      {{gpu::kBindPathWeights, BindingKind::storage}}},
     {"light vertices",
-     [](const Extent& e) { return e.slots * e.options * sizeof(gpu::LightVertex); },
+     [](const BufferDimensions& e) { return e.slots * e.options * sizeof(gpu::LightVertex); },
      {{gpu::kBindLightVertices, BindingKind::storage}, {gpu::kBindLightVertexTexels, BindingKind::texels_rgba32ui}}},
     {"light vertex counts",
-     [](const Extent& e) { return e.slots * sizeof(std::uint32_t); },
+     [](const BufferDimensions& e) { return e.slots * sizeof(std::uint32_t); },
      {{gpu::kBindLightCounts, BindingKind::storage}}},
     {"connections",
-     [](const Extent& e) { return e.slots * sizeof(gpu::Connection); },
+     [](const BufferDimensions& e) { return e.slots * sizeof(gpu::Connection); },
      {{gpu::kBindConnections, BindingKind::storage}, {gpu::kBindConnectionTexels, BindingKind::texels_rgba32ui}}},
     {"connection queue",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::ConnectionQueue)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::ConnectionQueue)}; },
      {{gpu::kBindConnectionQueue, BindingKind::storage}}},
     {"photon constants",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::PhotonFrame)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::PhotonFrame)}; },
      {{gpu::kBindPhotonFrame, BindingKind::uniform}}},
     {"photons",
-     [](const Extent& e) { return e.pixels ? plan_photons(e.pixels).photons() * sizeof(gpu::Photon) : 0; },
+     [](const BufferDimensions& e) { return e.pixels ? plan_photons(e.pixels).photons() * sizeof(gpu::Photon) : 0; },
      {{gpu::kBindPhotons, BindingKind::storage}, {gpu::kBindPhotonTexels, BindingKind::texels_rgba32ui}}},
     {"photon cells",
-     [](const Extent& e) { return e.pixels ? plan_photons(e.pixels).cell_count * sizeof(gpu::PhotonCell) : 0; },
+     [](const BufferDimensions& e) {
+       return e.pixels ? plan_photons(e.pixels).cell_count * sizeof(gpu::PhotonCell) : 0;
+     },
      {{gpu::kBindPhotonCells, BindingKind::storage}, {gpu::kBindPhotonCellTexels, BindingKind::texels_rg32ui}}},
     {"merge weights",
-     [](const Extent& e) { return e.pixels ? e.slots * sizeof(float) : 0; },
+     [](const BufferDimensions& e) { return e.pixels ? e.slots * sizeof(float) : 0; },
      {{gpu::kBindMergeWeights, BindingKind::storage}}},
 };
 
@@ -162,7 +164,7 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
       delta_surfaces_(find_delta_surfaces(workspace.scene)),
       lamps_in_bodies_(lamps_in_bodies(workspace.scene)) {}
 
-void Bidirectional::change(const View& view, const RenderPlan& settings, Past) {
+void Bidirectional::change(const View& view, const RenderPlan& settings, TemporalHistory) {
   const PackedScene& scene = workspace_.scene;
   refuse_lobes(scene, kBidirectionalLacks, "bidirectional");
   need_ = {&kBidirectionalProgram, kBidirectionalStages,

@@ -19,7 +19,7 @@ class Bidirectional : public Integrator {
 public:
   Bidirectional(Workspace& workspace, KernelCompiler& kernels);
 
-  void change(const View& view, const RenderPlan& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t most_samples(std::uint32_t first_sample) const override;

@@ -21,17 +21,19 @@ constexpr std::uint32_t kSplitFrames = 16;
 // Iterations of the 3x3 filter that spreads them: 26 pixels of standard deviation.
 constexpr std::uint32_t kSpreadIterations = 6;
 
-std::uint64_t vec4_a_pixel_of_light(const Extent& e) { return e.options & gpu::kHybridLights ? vec4_a_pixel(e) : 0; }
+std::uint64_t vec4_a_pixel_of_light(const BufferDimensions& e) {
+  return e.options & gpu::kHybridLights ? vec4_a_pixel(e) : 0;
+}
 
 using enum BindingKind;
 
 // By Denoiser::OwnBuffer. What has no view is bound by bindings(), because its role changes.
 const std::vector<BufferRule> kDenoiserRules = {
     {"reprojection",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, uniform}}},
     {"slopes",
-     [](const Extent& e) { return e.pixels * sizeof(gpu::vec2); },
+     [](const BufferDimensions& e) { return e.pixels * sizeof(gpu::vec2); },
      {{gpu::kFilterSlopes, storage}, {gpu::kFilterSlopeTexels, texels_rg32ui}}},
     {"first output", vec4_a_pixel, {}},
     {"filtered", vec4_a_pixel, {}},
@@ -68,8 +70,8 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
   const Buffer *first = &buffers_[kFirstOutput], *filtered = &buffers_[kFiltered];
   const Buffer *a = &buffers_[kGuide], *b = &buffers_[kGuide + 1];
   const Buffer *excess = &buffers_[kExcess], *spreading = &buffers_[kSpreading];
-  for (std::uint32_t turn = 0; turn < 2; ++turn) {
-    const Buffer *plain = &buffers_[kHistory + turn], *plain_before = &buffers_[kHistory + 1 - turn];
+  for (std::uint32_t parity = 0; parity < 2; ++parity) {
+    const Buffer *plain = &buffers_[kHistory + parity], *plain_before = &buffers_[kHistory + 1 - parity];
     // In motion the history is the output of the first iteration, as in the paper; each frame counts for little then.
     // With a still camera it is the plain mean over frames, so that the picture converges to the unfiltered one.
     const std::array<Flow, kFlowCount> flows = {{{first, &signals, filtered, b, a},
@@ -84,7 +86,7 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
                                                  {first, filtered, spreading, b, a},
                                                  {excess, filtered, &signals, b, a}}};
     for (std::size_t i = 0; i < (splits_ ? kFlowCount : kSplitFlow); ++i)
-      sets_[turn][i] = std::make_unique<BindingSet>(device, bindings(turn, flows[i]), kPushBytes);
+      sets_[parity][i] = std::make_unique<BindingSet>(device, bindings(parity, flows[i]), kPushBytes);
   }
   const auto add = [&](const char* name, std::span<const std::uint32_t> spirv) {
     kernels_.emplace_back(device, name, spirv, *sets_[0][kMoving], std::span(&wanted, 1));
@@ -98,17 +100,17 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
   add("denoise_return", wavepath_denoise_return_spv);
 }
 
-std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) const {
-  const auto now = [&](OwnBuffer pair) { return &buffers_[pair + turn]; };
-  const auto before = [&](OwnBuffer pair) { return &buffers_[pair + 1 - turn]; };
+std::vector<Binding> Denoiser::bindings(std::uint32_t parity, const Flow& flow) const {
+  const auto now = [&](OwnBuffer pair) { return &buffers_[pair + parity]; };
+  const auto before = [&](OwnBuffer pair) { return &buffers_[pair + 1 - parity]; };
   std::vector<Binding> bindings = {{gpu::kFilterGbuffer, texels_rgba32ui, &gbuffer_},
                                    {gpu::kFilterColorIn, texels_rgba32f, flow.color_in},
                                    {gpu::kFilterColorOut, storage, flow.color_out},
                                    {gpu::kFilterHistoryBefore, texels_rgba32f, flow.history_before},
                                    {gpu::kFilterHistoryNow, storage, now(kHistory)},
-                                   {gpu::kFilterPastBefore, texels_rgba32ui, before(kPast)},
-                                   {gpu::kFilterPastNow, storage, now(kPast)},
-                                   {gpu::kFilterPastTexels, texels_rgba32ui, now(kPast)},
+                                   {gpu::kFilterShapesBefore, texels_rgba32ui, before(kShapes)},
+                                   {gpu::kFilterShapesNow, storage, now(kShapes)},
+                                   {gpu::kFilterShapes, texels_rgba32ui, now(kShapes)},
                                    {gpu::kFilterMomentsBefore, texels_rgba32f, before(kMoments)},
                                    {gpu::kFilterMomentsNow, storage, now(kMoments)},
                                    {gpu::kFilterMomentsTexels, texels_rgba32f, now(kMoments)},
@@ -121,9 +123,9 @@ std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) co
 void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
   const gpu::Reprojection frames = reproject(now, before_, remembers_, width_, height_);
   commands.write(buffers_[kReprojection], &frames, sizeof(frames));
-  turn_ = 1 - turn_;
+  parity_ = 1 - parity_;
   const auto run = [&](Stage stage, FlowName flow, std::uint32_t step) {
-    commands.bind(*sets_[turn_][flow]);
+    commands.bind(*sets_[parity_][flow]);
     bands_.run(commands, kernels_[stage], step);
   };
   still_frames_ = frames.still ? still_frames_ + 1 : 0;

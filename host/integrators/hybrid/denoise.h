@@ -35,13 +35,13 @@ public:
   std::uint32_t dispatches() const; // that record() records at most
 
 private:
-  // From kPast on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
+  // From kShapes on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
   enum OwnBuffer {
     kReprojection,
     kSlopes,
     kFirstOutput,
     kFiltered,
-    kPast,
+    kShapes,
     kMoments = 6,
     kHistory = 8,
     kGuide = 10,
@@ -70,7 +70,7 @@ private:
   struct Flow {
     const Buffer *history_before, *color_in, *color_out, *guide_in, *guide_out;
   };
-  std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
+  std::vector<Binding> bindings(std::uint32_t parity, const Flow& flow) const;
 
   std::uint32_t width_, height_;
   bool splits_; // there is light whose rare bright samples are split
@@ -81,7 +81,7 @@ private:
   std::vector<Kernel> kernels_;                                             // by Stage
   gpu::CameraView before_{};
   bool remembers_ = false; // there is a frame before
-  std::uint32_t turn_ = 0;
+  std::uint32_t parity_ = 0;
   std::uint32_t still_frames_ = 0; // since the camera moved
 };
 

@@ -22,7 +22,7 @@ private:
 };
 
 // Bytes of a filter's buffer.
-inline std::uint64_t vec4_a_pixel(const Extent& extent) { return extent.pixels * sizeof(gpu::vec4); }
+inline std::uint64_t vec4_a_pixel(const BufferDimensions& dimensions) { return dimensions.pixels * sizeof(gpu::vec4); }
 
 // Two frames as filters over time need them; `before` is ignored if there was no such frame.
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,

@@ -6,11 +6,11 @@ namespace {
 // By FrameFilter::OwnBuffer. A filter of one pass finds no edges for another.
 const std::vector<BufferRule> kFrameFilterRules = {
     {"frame",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, BindingKind::uniform}}},
     {"result", vec4_a_pixel, {{gpu::kFilterColorOut, BindingKind::storage}}},
     {"edges",
-     [](const Extent& e) { return e.options > 1 ? e.pixels * sizeof(gpu::uint) : 0; },
+     [](const BufferDimensions& e) { return e.options > 1 ? e.pixels * sizeof(gpu::uint) : 0; },
      {{gpu::kFilterEdges, BindingKind::storage}}},
 };
 

@@ -60,35 +60,35 @@ enum OwnBuffer : std::size_t {
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPositions = 1u << 1; // bits of Extent::options
 
-std::uint64_t positions(const Extent& e) {
+std::uint64_t positions(const BufferDimensions& e) {
   return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
 }
 
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
     {"frame",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
      {{gpu::kBindHybrid, BindingKind::uniform}}},
     {"G-buffer",
-     [](const Extent& e) { return e.pixels * sizeof(gpu::GbufferPixel); },
+     [](const BufferDimensions& e) { return e.pixels * sizeof(gpu::GbufferPixel); },
      {{gpu::kBindGbuffer, BindingKind::storage}}},
     {"signals",
-     [](const Extent& e) { return e.pixels * sizeof(gpu::vec4); },
+     [](const BufferDimensions& e) { return e.pixels * sizeof(gpu::vec4); },
      {{gpu::kBindSignals, BindingKind::storage}}},
     {"jitters",
-     [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
+     [](const BufferDimensions&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
     {"layers",
-     [](const Extent& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
+     [](const BufferDimensions& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
     {"triangles of places",
-     [](const Extent& e) { return positions(e) * sizeof(glm::uvec2); },
+     [](const BufferDimensions& e) { return positions(e) * sizeof(glm::uvec2); },
      {{gpu::kBindPositionIds, BindingKind::storage}}},
     {"emission of places",
-     [](const Extent& e) { return positions(e) * sizeof(gpu::vec4); },
+     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
      {{gpu::kBindPositionSeen, BindingKind::storage}}},
     {"signals of places",
-     [](const Extent& e) { return positions(e) * sizeof(gpu::vec4); },
+     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
      {{gpu::kBindPositionSignals, BindingKind::storage}}},
 };
 
@@ -181,16 +181,16 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
 
 Hybrid::~Hybrid() = default;
 
-void Hybrid::change(const View& view, const RenderPlan& settings, Past past) {
+void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
   settings_ = settings;
-  make_frame(view, settings, past);
-  allocate(view, past);
+  make_frame(view, settings, history);
+  allocate(view, history);
 }
 
-void Hybrid::make_frame(const View& view, const RenderPlan& settings, Past past) {
+void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHistory history) {
   const PackedScene& scene = workspace_.scene;
-  const glm::vec3 ambient = past == Past::keep ? frame_.ambient : glm::vec3(0.0f);
-  knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);
+  const glm::vec3 ambient = history == TemporalHistory::keep ? frame_.ambient : glm::vec3(0.0f);
+  knows_ambient_ = history == TemporalHistory::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
   frame_ = {};
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
@@ -215,7 +215,7 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, Past past)
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
 }
 
-void Hybrid::allocate(const View& view, Past past) {
+void Hybrid::allocate(const View& view, TemporalHistory history) {
   const PackedScene& scene = workspace_.scene;
   const KernelConfig config = kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_);
   need_ = hybrid_need(settings_, config);
@@ -247,7 +247,7 @@ void Hybrid::allocate(const View& view, Past past) {
   }
   remake_occlusion();
   remake_layers(moved);
-  remake_filters(moved, past);
+  remake_filters(moved, history);
 }
 
 void Hybrid::remake_occlusion() {
@@ -299,14 +299,14 @@ bool Hybrid::filters_frames() const {
 }
 
 // Memory and kernels stay, unless size or buffers are others.
-void Hybrid::remake_filters(bool moved, Past past) {
+void Hybrid::remake_filters(bool moved, TemporalHistory history) {
   const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
                               (filters_frames() ? 4u + settings_.antialias : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (moved) filters_.reset();
   const bool made = filters_.keep(made_for, [&] { return std::make_unique<Filters>(make_filters()); });
-  if (made || past == Past::keep) return;
+  if (made || history == TemporalHistory::keep) return;
   if (filters_->denoiser) filters_->denoiser->forget();
   if (filters_->taa) filters_->taa->forget();
 }

@@ -46,7 +46,7 @@ public:
 
   // With Past::keep the ambient radiance stays what it was, and filters over time still know the frames before if their
   // size is the same; what comes out then depends on them. Throws Error if the device cannot rasterize.
-  void change(const View& view, const RenderPlan& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;
 
@@ -73,9 +73,9 @@ private:
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
   struct Filters; // over frames
-  void make_frame(const View& view, const RenderPlan& settings, Past past);
-  void allocate(const View& view, Past past);
-  void remake_filters(bool moved, Past past);
+  void make_frame(const View& view, const RenderPlan& settings, TemporalHistory history);
+  void allocate(const View& view, TemporalHistory history);
+  void remake_filters(bool moved, TemporalHistory history);
   Filters make_filters();
   void remake_shadows(const View& view, const std::vector<Binding>& own);
   void remake_occlusion();

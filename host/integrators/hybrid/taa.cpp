@@ -8,7 +8,7 @@ namespace {
 // By Taa::OwnBuffer. The histories are bound by hand, because they swap roles every turn.
 const std::vector<BufferRule> kTaaRules = {
     {"reprojection",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, BindingKind::uniform}}},
     {"result", vec4_a_pixel, {{gpu::kFilterColorOut, BindingKind::storage}}},
     {"history 0", vec4_a_pixel, {}},
@@ -20,14 +20,14 @@ const std::vector<BufferRule> kTaaRules = {
 Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color)
     : width_(width), height_(height), bands_(device, width, height), buffers_(device, kTaaRules) {
   buffers_.fit({.pixels = std::uint64_t{width} * height});
-  for (std::uint32_t turn = 0; turn < 2; ++turn) {
+  for (std::uint32_t parity = 0; parity < 2; ++parity) {
     std::vector<Binding> bindings = {
         {gpu::kFilterGbuffer, BindingKind::texels_rgba32ui, &gbuffer},
         {gpu::kFilterColorIn, BindingKind::texels_rgba32f, &color},
-        {gpu::kFilterHistoryBefore, BindingKind::texels_rgba32f, &buffers_[kHistory + 1 - turn]},
-        {gpu::kFilterHistoryNow, BindingKind::storage, &buffers_[kHistory + turn]}};
+        {gpu::kFilterHistoryBefore, BindingKind::texels_rgba32f, &buffers_[kHistory + 1 - parity]},
+        {gpu::kFilterHistoryNow, BindingKind::storage, &buffers_[kHistory + parity]}};
     buffers_.add_bindings(bindings);
-    sets_[turn] = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::FilterBand)));
+    sets_[parity] = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::FilterBand)));
   }
   kernel_ = std::make_unique<Kernel>(device, "taa", wavepath_taa_spv, *sets_[0], std::span<const std::uint32_t>{});
 }
@@ -35,8 +35,8 @@ Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer
 void Taa::record(Commands& commands, const gpu::CameraView& now) {
   const gpu::Reprojection frames = reproject(now, before_, remembers_, width_, height_);
   commands.write(buffers_[kReprojection], &frames, sizeof(frames));
-  turn_ = 1 - turn_;
-  commands.bind(*sets_[turn_]);
+  parity_ = 1 - parity_;
+  commands.bind(*sets_[parity_]);
   bands_.run(commands, *kernel_);
   before_ = now;
   remembers_ = true;

@@ -39,7 +39,7 @@ private:
   std::unique_ptr<Kernel> kernel_;
   gpu::CameraView before_{};
   bool remembers_ = false; // there is a frame before
-  std::uint32_t turn_ = 0;
+  std::uint32_t parity_ = 0;
 };
 
 } // namespace wavepath

@@ -10,7 +10,7 @@ std::uint32_t PathTracer::capacity() const {
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
-void PathTracer::change(const View&, const RenderPlan& settings, Past) {
+void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory) {
   settings_ = settings;
   trainer_.change(settings);
   guide_report_.reset();

@@ -15,7 +15,7 @@ public:
   PathTracer(Workspace& workspace, KernelCompiler& kernels)
       : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), trainer_(workspace, kernels, paths_) {}
 
-  void change(const View& view, const RenderPlan& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;
   std::optional<Pilot> pilot() override;

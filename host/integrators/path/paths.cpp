@@ -46,14 +46,14 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in
 // kernels/path/receiver.glsl.
-bool keeps_receivers(const Extent& e) {
+bool keeps_receivers(const BufferDimensions& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
   return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
 }
 
 // Words of lights, and behind them those of parts of the sky.
-std::uint64_t learned_bytes(const Extent& e, std::uint64_t of_lights, std::uint64_t of_sky) {
+std::uint64_t learned_bytes(const BufferDimensions& e, std::uint64_t of_lights, std::uint64_t of_sky) {
   return (e.features & gpu::kFeatureLightCells ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
 }
 
@@ -62,59 +62,61 @@ using enum BindingKind;
 // By PathBuffer.
 const std::vector<BufferRule> kRules = {
     {"path states",
-     [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
+     [](const BufferDimensions& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
     {"samplers, receivers of light",
-     [](const Extent& e) {
+     [](const BufferDimensions& e) {
        const bool samplers = e.features & gpu::kFeatureAdaptive && !(e.options & kStatesAlone);
        return (samplers + keeps_receivers(e)) * e.slots * sizeof(glm::uvec4);
      },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
-     [](const Extent& e) { return learned_bytes(e, kLightCellBytes, kSkyCellBytes); },
+     [](const BufferDimensions& e) { return learned_bytes(e, kLightCellBytes, kSkyCellBytes); },
      {{gpu::kBindLightCells, texels_r32ui}}},
     {"sums of the light pilot",
-     [](const Extent& e) {
+     [](const BufferDimensions& e) {
        return e.options & kCapacityForLightSums ? learned_bytes(e, kLightSumBytes, kSkySumBytes) : 0;
      },
      {{gpu::kBindLightSums, storage}}},
     {"path media",
-     [](const Extent& e) {
+     [](const BufferDimensions& e) {
        const std::uint64_t words = (e.features & gpu::kLobeNested ? 2 : 1) * (e.features & gpu::kFeatureWalls ? 3 : 1);
        return e.features & gpu::kFeatureVolume ? e.slots * words * sizeof(std::uint32_t) : 0;
      },
      {{gpu::kBindPathMedia, storage}}},
     {"path AOVs",
-     [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
+     [](const BufferDimensions& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
      {{gpu::kBindPathAovs, storage}}},
     {"rays",
-     [](const Extent& e) {
+     [](const BufferDimensions& e) {
        return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray);
      }, // two queues, by turns
      {{gpu::kBindRays, storage}, {gpu::kBindRayTexels, texels_rgba32f}}},
     {"hits",
-     [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
+     [](const BufferDimensions& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
      {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
     {"order of hits",
-     [](const Extent& e) { return e.options & kCapacityForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
+     [](const BufferDimensions& e) { return e.options & kCapacityForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindSortedRays, storage}, {gpu::kBindSortedRayTexels, texels_r32ui}}},
     {"shadow rays",
-     [](const Extent& e) {
+     [](const BufferDimensions& e) {
        return e.options & kCapacityForShadowRays ? e.slots * e.light_samples * sizeof(gpu::ShadowRay) : 0;
      }, // a queue for each light sample of a vertex
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
-    {"queues", [](const Extent&) { return std::uint64_t{sizeof(gpu::Queues)}; }, {{gpu::kBindQueues, storage}}},
+    {"queues",
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Queues)}; },
+     {{gpu::kBindQueues, storage}}},
     {"light seen directly",
-     [](const Extent& e) { return e.options & kCapacityForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
+     [](const BufferDimensions& e) { return e.options & kCapacityForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindSeen, storage}}},
     {"guide tree",
-     [](const Extent& e) { return e.options & kCapacityForGuide ? kGuideTreeBytes : 0; },
+     [](const BufferDimensions& e) { return e.options & kCapacityForGuide ? kGuideTreeBytes : 0; },
      {{gpu::kBindGuideTree, texels_rgba32ui}}},
     {"guide maps",
-     [](const Extent& e) { return e.options & kCapacityForGuide ? kGuideMapBytes : 0; },
+     [](const BufferDimensions& e) { return e.options & kCapacityForGuide ? kGuideMapBytes : 0; },
      {{gpu::kBindGuideMaps, texels_rgba32ui}}},
     {"records for guiding, or for neighbours",
-     [](const Extent& e) -> std::uint64_t {
+     [](const BufferDimensions& e) -> std::uint64_t {
        if (e.options & kCapacityForGuideRecords) return kGuideRecordBytes;
        return e.options & kCapacityForReuse ? e.slots * gpu::reuse_texel_count(e.features) * sizeof(glm::uvec4) : 0;
      },

@@ -31,10 +31,10 @@ constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kLight, kTrace, 
 enum OwnBuffer : std::size_t { kConstants, kNodes };
 const std::vector<BufferRule> kRules = {
     {"constants",
-     [](const Extent&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
+     [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
      {{gpu::kBindWhitted, BindingKind::uniform}}},
     {"nodes of trees",
-     [](const Extent& e) { return e.slots * sizeof(gpu::WhittedNode); },
+     [](const BufferDimensions& e) { return e.slots * sizeof(gpu::WhittedNode); },
      {{gpu::kBindWhittedNodes, BindingKind::storage}}},
 };
 
@@ -67,7 +67,7 @@ const KernelProgram kWhittedProgram = {kStages, kCompileOrder, layout};
 Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
 
-void Whitted::change(const View& view, const RenderPlan& settings, Past) {
+void Whitted::change(const View& view, const RenderPlan& settings, TemporalHistory) {
   const PackedScene& scene = workspace_.scene;
   refuse_lobes(scene, kWhittedLacks, "whitted");
   need_ = {&kWhittedProgram, kWhittedStages,

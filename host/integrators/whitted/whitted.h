@@ -13,7 +13,7 @@ class Whitted : public Integrator {
 public:
   Whitted(Workspace& workspace, KernelCompiler& kernels);
 
-  void change(const View& view, const RenderPlan& settings, Past past) override;
+  void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return samples * width_; }

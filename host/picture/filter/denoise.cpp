@@ -126,8 +126,8 @@ void smooth_variance(Layers& layers) {
 // How much of one surface two pixels are, `offset` being the way from a to b; to the bit the same from b to a.
 float likeness(const SurfaceGuide& a, const SurfaceGuide& b, glm::vec2 offset) {
   if (a.disparity == 0.0f || b.disparity == 0.0f) return 0.0f;
-  const vec3 turn = a.normal - b.normal;
-  const float turned = std::max(0.0f, glm::dot(turn, turn) - (a.spread + b.spread));
+  const vec3 parity = a.normal - b.normal;
+  const float turned = std::max(0.0f, glm::dot(parity, parity) - (a.spread + b.spread));
   const float away = b.disparity - a.disparity, rise_a = glm::dot(a.slope, offset), rise_b = glm::dot(b.slope, offset);
   const float off = std::abs(away - rise_a) / (std::abs(rise_a) + kDisparitySlack * a.disparity) +
                     std::abs(away - rise_b) / (std::abs(rise_b) + kDisparitySlack * b.disparity);

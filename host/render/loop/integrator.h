@@ -16,7 +16,7 @@ struct FilmBand;
 struct View;
 
 // Use of earlier frames by coming ones: a camera in motion keeps what an integrator learned, a cut forgets it.
-enum class Past { forget, keep };
+enum class TemporalHistory { forget, keep };
 
 // Pixels that a pass treats alike: a band of the film, or in an adaptive render those of one level within a band. An
 // error probe counts as a pixel.
@@ -46,7 +46,7 @@ public:
 
   // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
   // makes room. Throws Error if the device cannot hold it.
-  virtual void change(const View& view, const RenderPlan& settings, Past past) = 0;
+  virtual void change(const View& view, const RenderPlan& settings, TemporalHistory history) = 0;
   // True if the kernels are compiled, so that get_ready() will not wait.
   virtual bool is_ready() = 0;
   // Returns the seconds that compiling took. Throws what compiling threw.

@@ -22,8 +22,8 @@ constexpr std::uint32_t kAdaptivePass = 16; // samples
 constexpr double kWorthwhile = 0.9; // as of pilots before the render (host/plan/pilots.h)
 
 // Windows, and renders that end by the clock, want to be asked again soon.
-std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace, const RenderPlan& settings) {
-  const bool waits = !pace.by_wave && !(settings.time_limit > 0.0);
+std::uint32_t first_wave(const DeviceInfo& device, const LoopPolicy& policy, const RenderPlan& settings) {
+  const bool waits = !policy.by_wave && !(settings.time_limit > 0.0);
   return device.type == "cpu" && waits ? kFirstWaveOfCpu : kFirstWave;
 }
 
@@ -42,26 +42,27 @@ Target make_target(const RenderPlan& settings, bool has_levels, std::uint32_t ne
 
 // A CPU device computes on the cores that an estimate needs: side by side, both take longer than one after the other
 // (1.5 to 2.7 % of a render). A window has no time to wait for it.
-bool are_at_once(const DeviceInfo& device, const Pace& pace) {
-  return device.type == "cpu" && pace.estimates == Estimates::all;
+bool are_at_once(const DeviceInfo& device, const LoopPolicy& policy) {
+  return device.type == "cpu" && policy.estimates == Estimates::all;
 }
 
 } // namespace
 
 RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
-                       KernelCompiler& kernels, RenderHooks hooks, const Pace& pace,
+                       KernelCompiler& kernels, RenderHooks hooks, const LoopPolicy& policy,
                        std::shared_ptr<const DeviceScene> uploaded)
     : settings_(settings),
       hooks_(std::move(hooks)),
-      pace_(pace),
+      policy_(policy),
       kernels_(kernels),
-      workspace_(device, scene,
-                 std::clamp(choose_slots(device.info(), scene.features, settings), pace.least_slots, pace.most_slots),
-                 traversal_of(settings), std::move(uploaded)),
+      workspace_(
+          device, scene,
+          std::clamp(choose_slots(device.info(), scene.features, settings), policy.least_slots, policy.most_slots),
+          traversal_of(settings), std::move(uploaded)),
       queue_(workspace_),
-      governor_(workspace_.slots, pace.longest_dispatch, first_wave(device.info(), pace, settings)),
+      governor_(workspace_.slots, policy.longest_dispatch, first_wave(device.info(), policy, settings)),
       estimates_(device),
-      estimates_at_once_(are_at_once(device.info(), pace)) {
+      estimates_at_once_(are_at_once(device.info(), policy)) {
   restart(view, settings);
 }
 
@@ -83,14 +84,14 @@ void RenderLoop::abandon() {
   pending_.clear();
 }
 
-void RenderLoop::restart(const View& view, const RenderPlan& settings, Past past) {
+void RenderLoop::restart(const View& view, const RenderPlan& settings, TemporalHistory history) {
   abandon();
   settings_ = whole_passes(settings);
   if (kind_ != settings.integrator) integrator_.reset(); // the device may not hold both at once
   kind_ = settings.integrator;
   if (!integrator_) integrator_ = kind_->make(workspace_, kernels_);
   workspace_.change(view, settings_);
-  integrator_->change(view, settings_, past);
+  integrator_->change(view, settings_, history);
   workspace_.film.clear();
   queue_.totals = {};
   pass_began_busy_ = 0.0;
@@ -108,7 +109,7 @@ void RenderLoop::restart(const View& view, const RenderPlan& settings, Past past
 }
 
 double RenderLoop::seconds() const {
-  if (pace_.clock_is_busy_time) return queue_.totals.busy_seconds;
+  if (policy_.clock_is_busy_time) return queue_.totals.busy_seconds;
   return seconds_before_ + (running_ ? seconds_since(clock_start_) : 0.0);
 }
 
@@ -254,7 +255,7 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
 // the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = levels_.empty() ? 1 : kAdaptiveStep;
-  const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
+  const std::uint32_t wave = policy_.fixed_wave ? policy_.fixed_wave : governor_.wave();
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / entries(), 1, most));
   if (!levels_.empty()) { // every pass ends with a wave that is not full: longer ones have fewer
@@ -284,7 +285,7 @@ std::uint32_t RenderLoop::sample_capacity() const {
 std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
                                   std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
-  const std::uint32_t capacity = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
+  const std::uint32_t capacity = policy_.fixed_wave ? policy_.fixed_wave : governor_.wave();
   const std::uint32_t fit = capacity > slots ? (capacity - slots) / paths : 0, left = segment.pixel_count - done;
   if (fit >= left) return left;
   if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
@@ -307,7 +308,7 @@ gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::u
 void RenderLoop::submit_wave(std::size_t band, const gpu::Wave& wave, std::uint32_t slots) {
   WaveQueue::Work work{.timed_dispatches = integrator_->timed_dispatches(), .wave = wave};
   work.done = [this, slots](const Finished& finished) {
-    const bool timed = finished.longest_dispatch > 0.0 && !pace_.by_wave; // else the whole wave bounds each dispatch
+    const bool timed = finished.longest_dispatch > 0.0 && !policy_.by_wave; // else the whole wave bounds each dispatch
     const double whole = finished.device_seconds > 0.0 ? finished.device_seconds : finished.seconds;
     governor_.report(timed ? finished.longest_dispatch : whole, slots);
     report_progress();

@@ -29,7 +29,7 @@ namespace wavepath {
 enum class Estimates { all, fraction, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
-struct Pace {
+struct LoopPolicy {
   double longest_dispatch = kLongestDispatch; // seconds
   bool by_wave = false;                       // longest_dispatch bounds whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
@@ -44,12 +44,12 @@ public:
   // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks'
   // resume state outlive the loop. Throws Error if the device cannot hold it.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
-             KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {},
+             KernelCompiler& kernels, RenderHooks hooks = {}, const LoopPolicy& policy = {},
              std::shared_ptr<const DeviceScene> uploaded = nullptr);
   ~RenderLoop(); // waits for what is in flight
 
   // Begins anew with another view and other settings of the same scene. Data on the device is kept where it serves.
-  void restart(const View& view, const RenderPlan& settings, Past past = Past::forget);
+  void restart(const View& view, const RenderPlan& settings, TemporalHistory history = TemporalHistory::forget);
 
   // True if there are kernels to begin with, so that step() will not wait for any.
   bool is_ready() { return integrator_->is_ready(); }
@@ -140,7 +140,7 @@ private:
 
   RenderPlan settings_;
   RenderHooks hooks_;
-  Pace pace_;
+  LoopPolicy policy_;
   KernelCompiler& kernels_;
   Workspace workspace_;
   WaveQueue queue_;

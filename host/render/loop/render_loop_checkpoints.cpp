@@ -38,7 +38,7 @@ bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cu
 
 // Where estimates may be skipped: coarse pictures in a window, and those that would take more than their share.
 bool RenderLoop::pays() const {
-  if (pace_.estimates != Estimates::fraction) return pace_.estimates == Estimates::all;
+  if (policy_.estimates != Estimates::fraction) return policy_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;
   if (cursor_.sample == settings_.last_sample) return true;
   const double cost =

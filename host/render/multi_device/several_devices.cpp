@@ -65,8 +65,8 @@ public:
       samples_done = progress.spp_done;
       return !stopped_;
     };
-    const Pace pace{.estimates = Estimates::none};
-    loop_ = std::make_unique<RenderLoop>(*on_.device, scene_, view_, settings_, *on_.kernels, hooks, pace);
+    const LoopPolicy policy{.estimates = Estimates::none};
+    loop_ = std::make_unique<RenderLoop>(*on_.device, scene_, view_, settings_, *on_.kernels, hooks, policy);
     compile_seconds = loop_->get_ready();
     const RenderPlan small = pilot_settings(settings_, kPilotSide, kPilotSamples);
     loop_->restart(view_, small);

@@ -45,8 +45,8 @@ std::vector<std::string> aovs_for(Shown shown) {
 }
 
 Display::Display(Device& device) : device_(device), pixels_(device, 0) {
-  const Buffer stand_in(device, 0);
-  const BindingSet bindings(device, bindings_of(stand_in, stand_in, stand_in, stand_in), sizeof(gpu::DisplayJob));
+  const Buffer dummy(device, 0);
+  const BindingSet bindings(device, bindings_of(dummy, dummy, dummy, dummy), sizeof(gpu::DisplayJob));
   kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
 }
 

@@ -27,7 +27,7 @@ RenderPlan open_ended(RenderPlan settings) {
   return settings;
 }
 
-Pace pace_of(const RenderPlan& settings) {
+LoopPolicy policy_of(const RenderPlan& settings) {
   return {.longest_dispatch = kLongestWave,
           .by_wave = true,
           .estimates = Estimates::fraction,
@@ -56,8 +56,8 @@ std::unique_ptr<Progressive> Progressive::beside(const RenderPlan& settings) con
 
 void Progressive::make_loop(std::shared_ptr<const DeviceScene> uploaded) {
   loop_.reset(); // the device may not hold both scenes at once
-  loop_ = std::make_unique<RenderLoop>(device_, *scene_, view_, settings_, kernels_, RenderHooks{}, pace_of(settings_),
-                                       std::move(uploaded));
+  loop_ = std::make_unique<RenderLoop>(device_, *scene_, view_, settings_, kernels_, RenderHooks{},
+                                       policy_of(settings_), std::move(uploaded));
 }
 
 bool Progressive::step() {
@@ -137,7 +137,7 @@ void Progressive::begin_anew(std::uint32_t coarse) {
     rendered_.last_sample += motion_frames_;
     if (rendered_.sample_total == 0) rendered_.sample_total = settings_.last_sample;
   }
-  loop_->restart(view_, rendered_, moving_ ? Past::keep : Past::forget);
+  loop_->restart(view_, rendered_, moving_ ? TemporalHistory::keep : TemporalHistory::forget);
 }
 
 ProgressiveStatus Progressive::status() const {

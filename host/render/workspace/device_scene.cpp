@@ -116,10 +116,10 @@ bool any_sampled(const PackedScene& scene) { return !scene.atlases[0].empty() ||
 
 AtlasImages upload_atlases(Device& device, const Atlases& atlases) {
   // Not of a side that is a power of two: kernels are warmed up with it (host/scene/pack/atlas.cpp).
-  const Atlas stand_in{3, 3, 1, std::vector<std::uint32_t>(9)};
+  const Atlas dummy{3, 3, 1, std::vector<std::uint32_t>(9)};
   AtlasImages images;
   for (std::size_t i = 0; i < images.size(); ++i)
-    images[i] = upload_atlas(device, atlases[i].empty() ? stand_in : atlases[i], i == 1);
+    images[i] = upload_atlas(device, atlases[i].empty() ? dummy : atlases[i], i == 1);
   return images;
 }
 

@@ -15,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
+constexpr std::uint64_t kDummyBytes = 1024; // of the buffer that stands for all while nothing is read
 
 // lavapipe decides at a kernel's first dispatch whether to compile it again for every other value of what is uniform.
 // With all bits set, loops are long and flags hold: it finds little to leave out, and does not
@@ -100,7 +100,7 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
   constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
   const std::size_t buffers = slots.size();
   const bool samples = (config().features & gpu::kFeatureSampledTextures) != 0;
-  std::optional<Buffer> stand_in;
+  std::optional<Buffer> dummy;
   AtlasImages images;
   if (samples && device.use() == DeviceUse::run) images = upload_atlases(device, {});
   if (samples)
@@ -108,10 +108,10 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
   const BindingLayout layout(device, slots, kPushed);
   std::optional<BindingSet> bindings; // of what runs
   if (device.use() == DeviceUse::run) {
-    stand_in.emplace(device, kStandInBytes);
-    const std::vector<std::uint8_t> ones(kStandInBytes, kUniformByte);
-    stand_in->write(ones.data(), ones.size());
-    for (Binding& slot : std::span(slots).first(buffers)) slot.buffer = &*stand_in;
+    dummy.emplace(device, kDummyBytes);
+    const std::vector<std::uint8_t> ones(kDummyBytes, kUniformByte);
+    dummy->write(ones.data(), ones.size());
+    for (Binding& slot : std::span(slots).first(buffers)) slot.buffer = &*dummy;
     bindings.emplace(device, slots, kPushed);
   }
   const auto constants = specialization(need.config, device.info());

@@ -11,10 +11,10 @@ bool reserve(Device& device, Buffer& buffer, std::uint64_t bytes) {
   return true;
 }
 
-bool BufferSet::fit(const Extent& extent) {
+bool BufferSet::fit(const BufferDimensions& dimensions) {
   bool moved = false;
   for (std::size_t i = 0; i < rules_.size(); ++i)
-    if (rules_[i].bytes) moved |= reserve(*device_, buffers_[i], rules_[i].bytes(extent));
+    if (rules_[i].bytes) moved |= reserve(*device_, buffers_[i], rules_[i].bytes(dimensions));
   return moved;
 }
 

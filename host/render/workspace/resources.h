@@ -12,7 +12,7 @@
 namespace wavepath {
 
 // What sizes depend on.
-struct Extent {
+struct BufferDimensions {
   std::uint64_t pixels = 0;
   std::uint64_t slots = 0;         // paths in flight
   gpu::Feature features = 0;       // kFeature bits of all kernels that may run
@@ -28,7 +28,7 @@ struct BufferView {
 struct BufferRule {
   const char* name;
   // 0 = not needed: kernels are bound to a stand-in. Null = the owner makes the buffer itself.
-  std::uint64_t (*bytes)(const Extent&);
+  std::uint64_t (*bytes)(const BufferDimensions&);
   std::vector<BufferView> views;
 };
 
@@ -40,7 +40,7 @@ public:
 
   // Makes room where there is too little; what a buffer that is replaced held is lost. Returns whether any was. Throws
   // Error if the device has no memory for it.
-  bool fit(const Extent& extent);
+  bool fit(const BufferDimensions& dimensions);
 
   Buffer& operator[](std::size_t rule) { return buffers_[rule]; }
   const Buffer& operator[](std::size_t rule) const { return buffers_[rule]; }

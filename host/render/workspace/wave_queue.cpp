@@ -19,24 +19,24 @@ std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]
 
 } // namespace
 
-WaveQueue::Turn::Turn(Device& device)
+WaveQueue::WaveResources::WaveResources(Device& device)
     : commands(device), counters(device, sizeof(gpu::Counters), BufferHome::readback) {}
 
 WaveQueue::WaveQueue(Workspace& workspace)
-    : workspace_(workspace), turns_{Turn(workspace.device), Turn(workspace.device)} {}
+    : workspace_(workspace), resources_{WaveResources(workspace.device), WaveResources(workspace.device)} {}
 
 void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
-  while (in_flight_.size() >= turns_.size()) finish_one();
+  while (in_flight_.size() >= resources_.size()) finish_one();
   workspace_.device.prepare_workers();
-  Turn& turn = turns_[next_turn_];
-  turn.commands.restart(work.timed_dispatches);
+  WaveResources& resources = resources_[next_resources_];
+  resources.commands.restart(work.timed_dispatches);
   const gpu::Counters none = no_counts();
-  turn.commands.write(workspace_.counters(), &none, sizeof(none));
-  record(turn.commands);
-  turn.commands.copy(workspace_.counters(), turn.counters, sizeof(none));
-  turn.commands.submit();
-  in_flight_.push_back({&turn, std::move(work), Clock::now(), {}});
-  next_turn_ = (next_turn_ + 1) % turns_.size();
+  resources.commands.write(workspace_.counters(), &none, sizeof(none));
+  record(resources.commands);
+  resources.commands.copy(workspace_.counters(), resources.counters, sizeof(none));
+  resources.commands.submit();
+  in_flight_.push_back({&resources, std::move(work), Clock::now(), {}});
+  next_resources_ = (next_resources_ + 1) % resources_.size();
 }
 
 void WaveQueue::afterwards(std::function<void()> action) {
@@ -48,7 +48,7 @@ void WaveQueue::afterwards(std::function<void()> action) {
 
 bool WaveQueue::finish_one() {
   if (in_flight_.empty()) return false;
-  in_flight_.front().turn->commands.wait();
+  in_flight_.front().resources->commands.wait();
   Flight flight = std::move(in_flight_.front());
   in_flight_.pop_front();
   const Finished finished = count(flight);
@@ -64,7 +64,7 @@ void WaveQueue::drain() {
 
 void WaveQueue::abandon() noexcept {
   for (Flight& flight : in_flight_) try {
-      flight.turn->commands.wait();
+      flight.resources->commands.wait();
     } catch (...) { // the device is lost; there is nothing to wait for
     }
   in_flight_.clear();
@@ -75,7 +75,7 @@ Finished WaveQueue::count(Flight& flight) {
   Finished finished;
   finished.seconds = std::chrono::duration<double>(now - std::max(flight.submitted, last_finished_)).count();
   last_finished_ = now;
-  for (const KernelTime& time : flight.turn->commands.times()) {
+  for (const KernelTime& time : flight.resources->commands.times()) {
     count_time(time.kernel->name(), time.seconds);
     finished.longest_dispatch = std::max(finished.longest_dispatch, time.seconds);
     finished.device_seconds += time.seconds;
@@ -85,8 +85,8 @@ Finished WaveQueue::count(Flight& flight) {
   totals.busy_seconds += timed ? std::min(finished.seconds, finished.device_seconds) : finished.seconds;
   if (flight.work.stage) count_time(flight.work.stage, finished.seconds);
   gpu::Counters counters;
-  flight.turn->counters.invalidate();
-  std::memcpy(&counters, flight.turn->counters.mapped(), sizeof(counters));
+  flight.resources->counters.invalidate();
+  std::memcpy(&counters, flight.resources->counters.mapped(), sizeof(counters));
   count_counters(counters, flight.work.wave);
   return finished;
 }

@@ -51,13 +51,13 @@ public:
   Totals totals;
 
 private:
-  struct Turn { // what one of the two pieces in flight uses
-    explicit Turn(Device& device);
+  struct WaveResources { // what one of the two pieces in flight uses
+    explicit WaveResources(Device& device);
     Commands commands;
     Buffer counters; // read back
   };
   struct Flight {
-    Turn* turn;
+    WaveResources* resources;
     Work work;
     Clock::time_point submitted;
     std::vector<std::function<void()>> afterwards;
@@ -67,8 +67,8 @@ private:
   void count_time(const std::string& name, double seconds);
 
   Workspace& workspace_;
-  std::array<Turn, 2> turns_;
-  std::size_t next_turn_ = 0;
+  std::array<WaveResources, 2> resources_;
+  std::size_t next_resources_ = 0;
   std::deque<Flight> in_flight_;
   Clock::time_point last_finished_{};
 };
