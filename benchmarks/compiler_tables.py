@@ -52,7 +52,7 @@ def environment_of(driver, shims):
     if shim and not (shims and (shims / shim).exists()):
         return None, f"{shim} is not in {shims}" if shims else f"{shim} is wanted: --shims"
     environment = {**os.environ, "VK_DRIVER_FILES": str(icd), "VK_ICD_FILENAMES": str(icd), **posing}
-    environment.pop("WAVEPATH_POSE", None)
+    environment.pop("WAVEPATH_EMULATE", None)
     if shim:
         environment["LD_PRELOAD"] = str((shims / shim).resolve())
     return environment, None

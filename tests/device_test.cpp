@@ -21,7 +21,7 @@
 #include "host/gpu/device_choice.h"
 #include "host/gpu/device_limit.h"
 #include "host/gpu/kernel.h"
-#include "tests/pose.h"
+#include "tests/emulate.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {
@@ -31,10 +31,10 @@ const char* wanted_device() { return std::getenv("WAVEPATH_DEVICE") ? std::geten
 
 class DeviceTest : public VulkanTest {};
 
-TEST_F(DeviceTest, ACpuPosesAsADiscreteGpu) {
-  const Pose plain(nullptr);
-  if (Device(wanted_device()).info().type != "cpu") GTEST_SKIP() << "only a CPU device poses";
-  const Pose pose("discrete");
+TEST_F(DeviceTest, ACpuEmulatesADiscreteGpu) {
+  const Emulate plain(nullptr);
+  if (Device(wanted_device()).info().type != "cpu") GTEST_SKIP() << "only a CPU device emulates another";
+  const Emulate emulate("discrete");
   const Device device(wanted_device());
   EXPECT_EQ(device.info().type, "discrete");
   EXPECT_FALSE(device.unified_memory());
@@ -85,8 +85,8 @@ TEST_F(DeviceTest, ThreadsThatLlvmpipeComputesOnAreKeptApart) {
   EXPECT_EQ(kept, cores);
 }
 
-TEST_F(DeviceTest, AnUnknownPoseIsRefused) {
-  const Pose pose("integrated");
+TEST_F(DeviceTest, AnUnknownEmulationIsRefused) {
+  const Emulate emulate("integrated");
   for (const auto& attempt :
        {std::function<void()>([] { list_devices(); }), std::function<void()>([] { Device(""); })}) {
     try {
@@ -94,7 +94,7 @@ TEST_F(DeviceTest, AnUnknownPoseIsRefused) {
       ADD_FAILURE() << "not refused";
     } catch (const Error& error) {
       const std::string message = error.what();
-      EXPECT_NE(message.find("WAVEPATH_POSE: unknown value 'integrated'"), std::string::npos) << message;
+      EXPECT_NE(message.find("WAVEPATH_EMULATE: unknown value 'integrated'"), std::string::npos) << message;
       EXPECT_EQ(message.find('\n'), std::string::npos);
     }
   }
@@ -102,7 +102,7 @@ TEST_F(DeviceTest, AnUnknownPoseIsRefused) {
 
 // More than the staging buffer holds, at an odd offset, and from several threads.
 TEST_F(DeviceTest, MemoryThatCannotBeMappedIsStaged) {
-  const Pose pose("discrete");
+  const Emulate emulate("discrete");
   Device device(wanted_device());
   std::vector<std::uint32_t> values((80u << 20) / sizeof(std::uint32_t));
   std::iota(values.begin(), values.end(), 1u);

@@ -28,7 +28,7 @@ def main():
     if not manifest:
         print("no SwiftShader here: the test is skipped")
         return 0
-    plain = {key: value for key, value in os.environ.items() if key not in ("WAVEPATH_POSE", "WAVEPATH_DEVICE")}
+    plain = {key: value for key, value in os.environ.items() if key not in ("WAVEPATH_EMULATE", "WAVEPATH_DEVICE")}
     other = plain | {"VK_DRIVER_FILES": manifest}
     failed = 0
 

@@ -13,7 +13,7 @@
 #include "host/scene/staging/view.h"
 #include "kernels/base/scene_types.h"
 #include "kernels/path/extend.spv.h"
-#include "tests/pose.h"
+#include "tests/emulate.h"
 #include "tests/probe.h"
 #include "tests/scene_builder.h"
 
@@ -58,7 +58,7 @@ class TexelsAsStorage : public VulkanTest {};
 TEST_F(TexelsAsStorage, EveryKindReadsAlike) {
   const auto expected = read_all_kinds(device(), false);
   EXPECT_EQ(expected[4 * 2 + 0], 0x3f800000u) << "the probe reads";
-  const Pose pose("few-texels");
+  const Emulate emulate("few-texels");
   Device few(wanted_device());
   ASSERT_TRUE(few.info().has_few_texels);
   EXPECT_EQ(read_all_kinds(few, false), expected);
@@ -110,7 +110,7 @@ Scene large_scene() {
 TEST_F(TexelsAsStorage, AScenePastTheLimitRendersToTheSameBits) {
   Scene scene = large_scene();
   const PackedScene packed = pack(scene);
-  const Pose pose("few-texels");
+  const Emulate emulate("few-texels");
   Device few(wanted_device());
   ASSERT_GT(packed.triangles.size() * sizeof(packed.triangles[0]), 16 * few.info().max_texel_elements);
   ASSERT_GT(packed.texels.size(), few.info().max_texel_elements);

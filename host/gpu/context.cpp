@@ -64,14 +64,14 @@ bool validation_wanted() {
 // A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, the
 // walk by lane, a large pool of paths, generic kernels first. A device may also pose as one whose texel buffers are as
 // small as Vulkan lets them be. Tests reach that code on machines without such devices.
-enum class Pose { none, discrete, few_texels };
+enum class Emulation { none, discrete, few_texels };
 
-Pose pose_wanted() {
-  const char* value = std::getenv("WAVEPATH_POSE");
-  if (value == nullptr || *value == '\0') return Pose::none;
-  if (std::strcmp(value, "discrete") == 0) return Pose::discrete;
-  if (std::strcmp(value, "few-texels") == 0) return Pose::few_texels;
-  throw Error("WAVEPATH_POSE", fmt::format("unknown value '{}'", value),
+Emulation emulation_wanted() {
+  const char* value = std::getenv("WAVEPATH_EMULATE");
+  if (value == nullptr || *value == '\0') return Emulation::none;
+  if (std::strcmp(value, "discrete") == 0) return Emulation::discrete;
+  if (std::strcmp(value, "few-texels") == 0) return Emulation::few_texels;
+  throw Error("WAVEPATH_EMULATE", fmt::format("unknown value '{}'", value),
               "set it to discrete or few-texels, or unset it");
 }
 
@@ -229,13 +229,13 @@ void describe_images(VkPhysicalDevice physical, DeviceInfo& info) {
   }
 }
 
-DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
+DeviceInfo describe(VkPhysicalDevice physical, Emulation emulation) {
   VkPhysicalDeviceProperties base{};
   vkGetPhysicalDeviceProperties(physical, &base);
   DeviceInfo info;
   info.name = base.deviceName;
-  const bool posing = pose == Pose::discrete && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  info.type = type_name(posing ? VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU : base.deviceType);
+  const bool emulates = emulation == Emulation::discrete && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info.type = type_name(emulates ? VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU : base.deviceType);
   info.api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(base.apiVersion), VK_API_VERSION_MINOR(base.apiVersion),
                          VK_API_VERSION_PATCH(base.apiVersion));
   if (base.apiVersion < VK_API_VERSION_1_3) {
@@ -255,7 +255,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
   info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
-  const std::uint32_t texels = pose == Pose::few_texels ? kFewestTexels : limits.maxTexelBufferElements;
+  const std::uint32_t texels = emulation == Emulation::few_texels ? kFewestTexels : limits.maxTexelBufferElements;
   info.max_texel_elements = texels - kBufferPadding / sizeof(std::uint32_t);
   info.has_few_texels = texels < kUsualTexels;
   info.max_storage = limits.maxPerStageDescriptorStorageBuffers;
@@ -309,7 +309,7 @@ void check(VkResult result, const char* what) {
 }
 
 std::vector<DeviceInfo> list_devices() {
-  const Pose pose = pose_wanted();
+  const Emulation emulation = emulation_wanted();
   VkInstance instance = VK_NULL_HANDLE;
   try {
     instance = create_instance(false);
@@ -317,7 +317,7 @@ std::vector<DeviceInfo> list_devices() {
     return {}; // a machine without any driver has no devices
   }
   std::vector<DeviceInfo> devices;
-  for (VkPhysicalDevice physical : physical_devices(instance)) devices.push_back(describe(physical, pose));
+  for (VkPhysicalDevice physical : physical_devices(instance)) devices.push_back(describe(physical, emulation));
   vkDestroyInstance(instance, nullptr);
   return devices;
 }
@@ -355,7 +355,7 @@ VkResult Context::wait(VkFence fence) const {
 Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use)
     : use_(use), has_rasterized_(!window_extensions.empty()) {
   const bool validation = validation_wanted();
-  const Pose pose = pose_wanted();
+  const Emulation emulation = emulation_wanted();
   instance_ = create_instance(validation, window_extensions);
   try {
     if (validation) {
@@ -366,7 +366,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     }
     const std::vector<VkPhysicalDevice> physical = physical_devices(instance_);
     std::vector<DeviceInfo> described;
-    for (VkPhysicalDevice p : physical) described.push_back(describe(p, pose));
+    for (VkPhysicalDevice p : physical) described.push_back(describe(p, emulation));
     const std::size_t chosen = choose_device(described, wanted);
     info_ = described[chosen];
     physical_ = physical[chosen];

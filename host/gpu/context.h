@@ -39,8 +39,8 @@ public:
   // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
   // With it, reads outside of a buffer do not reach foreign memory, where the device can do that.
   // WAVEPATH_LOSE_DEVICE=N, for tests, has the device be lost after N submissions; N@K, the one that this process
-  // opened after K others. WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its
-  // memory as not mappable; WAVEPATH_POSE=few-texels has any device report the smallest texel buffers that Vulkan
+  // opened after K others. WAVEPATH_EMULATE=discrete, for tests, has a CPU device report type "discrete" and treat its
+  // memory as not mappable; WAVEPATH_EMULATE=few-texels has any device report the smallest texel buffers that Vulkan
   // allows. DeviceUse::compile wants VK_KHR_pipeline_executable_properties, and throws Error where the driver lacks it.
   explicit Context(const std::string& wanted = "", std::span<const char* const> window_extensions = {},
                    DeviceUse use = DeviceUse::run);

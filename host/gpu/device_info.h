@@ -11,7 +11,7 @@ namespace wavepath {
 struct DeviceInfo {
   std::string name, driver;
   std::string
-      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_POSE)
+      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_EMULATE)
   std::string api; // "1.3.230"
   std::uint32_t subgroup_size = 0;
   std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap
