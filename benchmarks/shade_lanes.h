@@ -476,8 +476,8 @@ private:
     wanted &= max_component(throughput) > 0.0f;
     const Vec3 origin = offset_ray_origin(v.surface, wi);
     const M sound = is_finite(throughput) & is_finite(origin) & is_finite(wi);
-    const F spoilt = splat(std::numeric_limits<float>::quiet_NaN());
-    radiance = select(wanted & (sound == M{}), {spoilt, spoilt, spoilt}, radiance);
+    const F poisoned = splat(std::numeric_limits<float>::quiet_NaN());
+    radiance = select(wanted & (sound == M{}), {poisoned, poisoned, poisoned}, radiance);
     wanted &= sound;
     const U place = append(out_.ray_count, wanted);
     store(out_.rays, place, wanted, 0, {origin.x, origin.y, origin.z, floats(v.slot)});

@@ -303,9 +303,9 @@ TEST(ErrorProbesEstimate, AFireflyIsSeenWhereverItIs) {
       {"second replicate", kSide * kSide + block, 0.25 * alone}};
   for (const auto& [where, place, expected] : cases) {
     SCOPED_TRACE(where);
-    Film spoilt = film;
-    set_samples(spoilt.pixels[place], kCount, kMean + kFirefly / kCount, kFirefly);
-    const ErrorEstimate error = estimate_error(spoilt);
+    Film poisoned = film;
+    set_samples(poisoned.pixels[place], kCount, kMean + kFirefly / kCount, kFirefly);
+    const ErrorEstimate error = estimate_error(poisoned);
     EXPECT_GT(error.ci95[1] * error.ci95[1], 0.95 * expected);
     EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
     EXPECT_GT(error.largest_sample_fraction, 0.9);

@@ -65,7 +65,7 @@ bool all_finite(const Mesh& mesh) {
          all_finite(mesh.uvs[0]) && all_finite(mesh.uvs[1]) && all_finite(mesh.colors);
 }
 
-struct Spoilt {
+struct Poisoned {
   const char *attribute, *target; // one of them
   std::size_t at;
   float value;
@@ -78,7 +78,7 @@ TEST(GltfNumbers, OfEveryAttributeAreMended) {
   const char *uvs = "texture coordinates that are not finite", *colors = "colours that are not finite",
              *normals = "normal without a direction", *tangents = "tangent without a direction",
              *weights = "weights of joints that are not finite", *targets = "morph targets that are not finite";
-  const Spoilt cases[] = {
+  const Poisoned cases[] = {
       {"TEXCOORD_0", nullptr, 2, kNan, uvs},     {"TEXCOORD_0", nullptr, 5, kInf, uvs},
       {"TEXCOORD_1", nullptr, 0, -kInf, uvs},    {"COLOR_0", nullptr, 1, kNan, colors},
       {"COLOR_0", nullptr, 7, kInf, colors},     {"COLOR_0", nullptr, 8, -kInf, colors},
@@ -90,16 +90,17 @@ TEST(GltfNumbers, OfEveryAttributeAreMended) {
       {nullptr, "NORMAL", 0, kNan, targets},     {nullptr, "TANGENT", 4, kInf, targets},
       {nullptr, "TEXCOORD_0", 1, kNan, targets}, {nullptr, "COLOR_0", 4, kNan, targets},
   };
-  for (const Spoilt& spoilt : cases) {
+  for (const Poisoned& poisoned : cases) {
     GltfBuilder b = everything();
-    const json accessor =
-        spoilt.attribute ? b.primitive()["attributes"][spoilt.attribute] : b.primitive()["targets"][0][spoilt.target];
-    spoil(b, accessor, spoilt.at, spoilt.value);
+    const json accessor = poisoned.attribute ? b.primitive()["attributes"][poisoned.attribute]
+                                             : b.primitive()["targets"][0][poisoned.target];
+    spoil(b, accessor, poisoned.at, poisoned.value);
     const Scene scene = load(b);
-    SCOPED_TRACE(testing::Message() << (spoilt.attribute ? spoilt.attribute : spoilt.target) << " " << spoilt.at);
+    SCOPED_TRACE(testing::Message() << (poisoned.attribute ? poisoned.attribute : poisoned.target) << " "
+                                    << poisoned.at);
     EXPECT_TRUE(all_finite(scene.meshes.at(0)));
     EXPECT_EQ(scene.warnings.counts().size(), 1u);
-    EXPECT_EQ(test::warning_count(scene, spoilt.told), 1u);
+    EXPECT_EQ(test::warning_count(scene, poisoned.told), 1u);
     EXPECT_EQ(scene.meshes[0].positions, whole.meshes[0].positions);
   }
 }

@@ -213,12 +213,12 @@ TEST(Pack, DropsDegenerateAndInfiniteTrianglesAndNothingElse) {
 
 TEST(Pack, IsNotMovedByVerticesThatAreNotFinite) {
   Scene clean = triangle_scene();
-  Scene spoilt = clean;
+  Scene poisoned = clean;
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  spoilt.meshes[0].positions.insert(spoilt.meshes[0].positions.end(), {{5, 5, 5}, {nan, 5, 5}, {5, 1e30f, 5}});
-  spoilt.meshes[0].indices.insert(spoilt.meshes[0].indices.end(), {3, 4, 5});
-  spoilt.meshes[0].primitives[0].index_count = 6;
-  const PackedScene a = pack(clean), b = pack(spoilt);
+  poisoned.meshes[0].positions.insert(poisoned.meshes[0].positions.end(), {{5, 5, 5}, {nan, 5, 5}, {5, 1e30f, 5}});
+  poisoned.meshes[0].indices.insert(poisoned.meshes[0].indices.end(), {3, 4, 5});
+  poisoned.meshes[0].primitives[0].index_count = 6;
+  const PackedScene a = pack(clean), b = pack(poisoned);
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_EQ(a.radius, b.radius);
   ASSERT_EQ(b.triangles.size(), 1u);

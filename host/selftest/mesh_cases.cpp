@@ -72,26 +72,26 @@ Measurement slivers(const SelftestContext& context) {
 }
 
 Measurement degenerate_triangles(const SelftestContext& context) {
-  Positions clean = triangle_soup(1000, 13, 0.2f), spoilt;
+  Positions clean = triangle_soup(1000, 13, 0.2f), poisoned;
   Random random(13);
   std::size_t count = 0;
   for (std::size_t i = 0; i < clean.size(); i += 3) {
-    spoilt.insert(spoilt.end(), clean.begin() + static_cast<std::ptrdiff_t>(i),
-                  clean.begin() + static_cast<std::ptrdiff_t>(i + 3));
+    poisoned.insert(poisoned.end(), clean.begin() + static_cast<std::ptrdiff_t>(i),
+                    clean.begin() + static_cast<std::ptrdiff_t>(i + 3));
     const glm::vec3 p(0.125f * glm::floor(random.point(-6, 6))); // on a grid, so that lines are exact
     const glm::vec3 kinds[][3] = {{p, p, p},
                                   {p, clean[i], clean[i]},
                                   {clean[i], p, clean[i]},
                                   {p, p + glm::vec3(0.0625f, 0.125f, 0), p + glm::vec3(0.125f, 0.25f, 0)}};
-    for (const auto& kind : kinds) spoilt.insert(spoilt.end(), std::begin(kind), std::end(kind));
+    for (const auto& kind : kinds) poisoned.insert(poisoned.end(), std::begin(kind), std::end(kind));
     count += std::size(kinds);
   }
   TracedScene without(context.device, context.kernels, pack_positions(clean));
-  TracedScene with(context.device, context.kernels, pack_positions(spoilt));
+  TracedScene with(context.device, context.kernels, pack_positions(poisoned));
   std::vector<gpu::Ray> rays = rays_across(20'000, 14, 1.5f);
-  for (std::size_t i = 0; i + 2 < spoilt.size(); i += 3) { // and at every triangle, the broken ones among them
+  for (std::size_t i = 0; i + 2 < poisoned.size(); i += 3) { // and at every triangle, the broken ones among them
     const glm::vec3 origin = random.point(-2, 2);
-    rays.push_back(ray_along(origin, (spoilt[i] + spoilt[i + 1] + spoilt[i + 2]) / 3.0f - origin));
+    rays.push_back(ray_along(origin, (poisoned[i] + poisoned[i + 1] + poisoned[i + 2]) / 3.0f - origin));
   }
   std::uint64_t failures = count_differences(without, with, rays) + (with.packed().dropped_triangles != count);
   Measurement result = judge_none(failures, rays.size(), "rays that see a difference");
@@ -133,17 +133,17 @@ Measurement broken_vertices(const SelftestContext& context) {
   constexpr float kBad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f,
                             -std::numeric_limits<float>::infinity()};
   const Positions whole = uv_sphere(50, 100, 0.1f);
-  Positions spoilt = whole, clean;
+  Positions poisoned = whole, clean;
   Random random(15);
   std::size_t broken = 0;
   for (std::size_t i = 0; i < whole.size(); i += 3)
     if (random.below(100) == 0)
-      spoilt[i + random.below(3)][static_cast<int>(random.below(3))] = kBad[broken++ % std::size(kBad)];
+      poisoned[i + random.below(3)][static_cast<int>(random.below(3))] = kBad[broken++ % std::size(kBad)];
     else
       clean.insert(clean.end(), whole.begin() + static_cast<std::ptrdiff_t>(i),
                    whole.begin() + static_cast<std::ptrdiff_t>(i + 3));
   TracedScene a(context.device, context.kernels, pack_positions(clean));
-  TracedScene b(context.device, context.kernels, pack_positions(spoilt));
+  TracedScene b(context.device, context.kernels, pack_positions(poisoned));
   const std::vector<gpu::Ray> rays = rays_across(50'000, 15, 1.5f);
   const std::uint64_t failures = count_differences(a, b, rays) + (b.packed().dropped_triangles != broken) +
                                  (a.packed().origin != b.packed().origin);

@@ -287,7 +287,7 @@ void shade(uint index, out Wants wants, out Ray next, out ShadowRay shadow, out 
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   follow(ray, fetch_hit(index), path, wants, next, shadow, connection);
   if (!is_sound(path) || (wants.ray && !is_sound(next))) {
-    path.radiance = spoilt(path.radiance);
+    path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);
     wants = Wants(false, false, false);
   }

@@ -79,7 +79,7 @@ vec3 gather(Vertex v, uint replicate) {
     }
   } while (next != 0u || cells < 8u);
   vec3 sum = vec3(value_of(red), value_of(green), value_of(blue));
-  return sound ? sum / photon_frame.density : spoilt(vec3(0.0));
+  return sound ? sum / photon_frame.density : poisoned(vec3(0.0));
 }
 
 void main() {

@@ -38,7 +38,7 @@ void main() {
   }
   escape(ray, path);
   if (!is_sound(path)) {
-    path.radiance = spoilt(path.radiance);
+    path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);
   }
   store_path(ray.slot, path);

@@ -38,7 +38,7 @@ void main() {
   Ray ray = Ray(origin, slot, direction, kFar);
   PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
   if (!is_finite(ray.origin) || !is_finite(ray.direction)) {
-    path.radiance = spoilt(path.radiance);
+    path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerGenerate, slot);
   }
   store_ray(slot, ray);

@@ -23,6 +23,6 @@ bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(pat
 bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
 
 // Marks a path in which a value other than its radiance is not finite.
-vec3 spoilt(vec3 radiance) { return is_finite(radiance) ? uintBitsToFloat(uvec3(0x7fc00000u)) : radiance; }
+vec3 poisoned(vec3 radiance) { return is_finite(radiance) ? uintBitsToFloat(uvec3(0x7fc00000u)) : radiance; }
 
 #endif

@@ -348,7 +348,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
   if (has(kFeatureTraining) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
-    path.radiance = spoilt(path.radiance);
+    path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);
     wants_ray = wants_shadow = false; // of its other light samples connect sees that it has ended
   }

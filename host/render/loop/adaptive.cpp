@@ -192,8 +192,8 @@ SampleDistribution distribute_samples(const Film& pilot, std::uint32_t width, st
   auto white = std::async(std::launch::async, [&] { return cost_by(levels_by(Squares::white), Squares::black); });
   auto black = std::async(std::launch::async, [&] { return cost_by(levels_by(Squares::black), Squares::white); });
   SampleDistribution distribution{.levels = levels_by(Squares::all)};
-  const double flattered = cost_by(distribution.levels, Squares::all), wronged = 0.5 * (white.get() + black.get());
-  distribution.cost = 0.5 * (flattered + wronged);
+  const double optimistic = cost_by(distribution.levels, Squares::all), pessimistic = 0.5 * (white.get() + black.get());
+  distribution.cost = 0.5 * (optimistic + pessimistic);
   return distribution;
 }
 
