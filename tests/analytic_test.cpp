@@ -254,7 +254,7 @@ std::vector<fs::path> scenes_for_whitted() {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticWhitted, ::testing::ValuesIn(scenes_for_whitted()), name_of);
 
-// Paths that neighbouring pixels share, and those that a learned field guides, find all light that bounces. Where it
+// Paths that neighbouring pixels share, and those that a trained field guides, find all light that bounces. Where it
 // comes from all directions alike, as in closed rooms, none are guided.
 class AnalyticIndirect : public Analytic {
 protected:

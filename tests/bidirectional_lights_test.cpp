@@ -1,5 +1,5 @@
-// How bidirectional path tracing chooses lights: by the tree and by learned shares, every set of techniques finds the
-// same.
+// How bidirectional path tracing chooses lights: by the tree and by trained probabilities, every set of techniques
+// finds the same.
 #include <random>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -43,7 +43,7 @@ void add_many_lights(Scene& scene, bool distant, double lowest = 0.1) {
   scene.environment.radiance = glm::vec3(0.2f);
 }
 
-// Next-event estimation goes by a tree, or by what a pilot has learned, while light paths begin by power.
+// Next-event estimation goes by a tree, or by trained probabilities, while light paths begin by power.
 class BidirectionalLights : public BidirectionalTest, public testing::WithParamInterface<std::uint32_t> {
 protected:
   static void use(RenderPlan& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }

@@ -391,7 +391,7 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
   EXPECT_LT(guided_error, 0.6 * plain_error);
 }
 
-// As in error_test.cpp, by fewer seeds, of which each learns a field of its own.
+// As in error_test.cpp, by fewer seeds, of which each trains a field of its own.
 TEST_F(GuideTest, TheIntervalHoldsTheTrueError) {
   constexpr std::uint32_t kRuns = 12, kReference = 16;
   RenderPlan coarse = settings(32);
@@ -513,14 +513,14 @@ TEST(GuideIterations, AreMoreInLongRenders) {
   EXPECT_EQ(iterations(256), kGuideIterations + 1);
   EXPECT_EQ(iterations(1u << 20), kGuideIterations + 1) << "the vertices of more would fill the memory";
   settings.last_sample = 256;
-  EXPECT_EQ(guide_iterations(settings, false), kGuideIterations) << "a GPU has rendered before the host has learned";
+  EXPECT_EQ(guide_iterations(settings, false), kGuideIterations) << "a GPU has rendered before the host has trained";
   settings.time_limit = 1.0;
   EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "as many paths as a CPU has in that time";
   settings.time_limit = 0.0, settings.target_error = 0.1;
   EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "it may be short";
 }
 
-// The command line: the field is learned anew when a render is resumed, and by every part of one.
+// The command line: the field is trained anew when a render is resumed, and by every part of one.
 TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
   const auto wavepath = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), WAVEPATH_BINARY);
@@ -544,14 +544,14 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
   render_as("part.exr", {"--checkpoint", "state", "--spp", "5"});
   render_as("part.exr", {"--checkpoint", "state", "--resume"});
   expect_same_bits(picture("part.exr"), picture("whole.exr"));
-  render_as("whole.exr", {"--mergeable"}); // alone, it learns of the sky for another time
+  render_as("whole.exr", {"--mergeable"}); // alone, it trains the sky for another time
   render_as("a.exr", {"--samples", "0:5"});
   render_as("b.exr", {"--samples", "5:12"});
   wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
   expect_same_bits(picture("merged.exr"), picture("whole.exr"));
 }
 
-// A render that was to be long when it began has learned for longer, and keeps to that; parts have not.
+// A render that was to be long when it began has trained for longer, and keeps to that; parts have not.
 TEST_F(GuideTest, ResumedRendersKeepTheirTraining) {
   const std::string state = (folder_.path() / "state").string();
   const auto render_on = [&](std::vector<std::string> flags) {

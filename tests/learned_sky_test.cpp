@@ -94,7 +94,7 @@ TEST_F(LearnedSky, LessNoiseWhereMostOfTheMapIsHidden) {
   EXPECT_LT(noise(gpu::kLightsAuto), 0.6 * noise(gpu::kLightsPower));
 }
 
-// The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
+// The sums of training are integers; every part, and every render that is resumed, trains the same anew.
 TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject room = seen(room_with_sky(true), whole);
@@ -177,7 +177,7 @@ TEST_F(LearnedSky, RendersTakeOverThePartOfTrainingThatTheyUse) {
   both.training.found.sky = nullptr;
   EXPECT_TRUE(*render(rooms, both).film == *trained.film);
   const RenderResult alone = render(rooms, path);
-  path.training.found.lights = whole.lights; // no sky: it learns anew
+  path.training.found.lights = whole.lights; // no sky: it trains anew
   EXPECT_GT(render(rooms, path).light_training.sky_cells, 20u);
   EXPECT_TRUE(*render(rooms, path).film == *alone.film);
 }
@@ -244,7 +244,7 @@ TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
   EXPECT_EQ(render(room, asked).light_training.paths, 10u * 6000u) << "of parts: as many samples as 65,536 paths hold";
 }
 
-// Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.
+// Where little was picked, the cells around it count: four times as wide, and sixteen times.
 TEST(LearnedSkyCells, AreTrainedByCellsAround) {
   std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
   const auto add = [&](std::uint32_t cell, std::uint32_t wider, std::uint32_t widest, std::uint32_t part,
@@ -255,7 +255,7 @@ TEST(LearnedSkyCells, AreTrainedByCellsAround) {
     words[4 * gpu::kSkyParts + 1] = (wider * gpu::kLightCells | widest) + 1;
   };
   add(5, 100, 200, 1, 1);
-  add(6, 100, 200, 2, 1 << 24); // teaches what lies in cell 100
+  add(6, 100, 200, 2, 1 << 24); // trains what lies in cell 100
   add(7, 101, 200, 3, 1);       // only the widest cell is the same
   add(8, 102, 201, 4, 1);
   const TrainedSky trained = train_sky_cells(sums);

@@ -236,7 +236,7 @@ TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
   EXPECT_LT(noise(8, true), 0.8 * several) << "with as many rays, since later vertices send fewer";
 }
 
-// Without lessons directions are those of paths, and nothing is learned for one that paths find anyway.
+// Without training directions are those of paths, and nothing is trained for one that paths find anyway.
 TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   const Subject rooms = subject(rooms_under_a_sky(0), with_sky_samples(asked(1), 4));
   const auto rendered = [&](std::uint32_t sky_samples, bool trains, std::uint32_t lights) {
@@ -252,7 +252,7 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_training.paths, 0u);
   RenderPlan brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
   brief.training.paths = 1000;
-  EXPECT_GT(render(rooms, brief).light_training.sky_cells, 0u) << "renders of any length learn";
+  EXPECT_GT(render(rooms, brief).light_training.sky_cells, 0u) << "renders of any length train";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
@@ -284,7 +284,7 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
   EXPECT_EQ(most, 4u) << "three to the sky, one to a lamp";
 }
 
-// Kernels that bear any number take one as those do that know nothing of it.
+// Kernels that support any number take one as those do that know nothing of it.
 TEST_F(LightSamples, KernelsForAnyNumberOfSkySamplesTakeOne) {
   const RenderPlan plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);
   RenderPlan trying = plain;

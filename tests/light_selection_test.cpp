@@ -1,5 +1,5 @@
-// Choosing among many lights: power, tree and learned shares give the same picture by every estimator of direct light,
-// bits do not depend on how the work is cut up, and scenes with few lights pay nothing.
+// Choosing among many lights: power, tree and trained probabilities give the same picture by every estimator of direct
+// light, bits do not depend on how the work is cut up, and scenes with few lights pay nothing.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -90,7 +90,7 @@ TEST_F(LightSelection, LessNoiseThanByPower) {
   EXPECT_LT(noise(kBidirectional, gpu::kLightsAuto), 0.8 * noise(kBidirectional, gpu::kLightsPower));
 }
 
-// As in error_test.cpp, by fewer seeds, of which each learns shares of lights and of the sky by itself. The camera
+// As in error_test.cpp, by fewer seeds, of which each trains light selection and sky by itself. The camera
 // looks at the floor from below all lamps, whose edges would be most of the error.
 TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
   constexpr std::uint32_t kRuns = 16, kReference = 32;
@@ -114,7 +114,7 @@ TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
   EXPECT_NEAR(found.ratio.mean(), 1.0, 0.05) << "its own noise is " << found.ratio.error();
 }
 
-// The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
+// The sums of training are integers; every part, and every render that is resumed, trains the same anew.
 TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
@@ -219,8 +219,7 @@ TEST_F(LightSelection, TrainsProbabilitiesBySums) {
               0.001);
   EXPECT_GT(probability(trained.ends, kCell, gpu::kEnvironmentCluster), 0.0);
   for (std::uint32_t cluster = 0; cluster < gpu::kLightClusters; ++cluster)
-    EXPECT_NEAR(probability(trained.ends, 0, cluster), probability(before, 0, cluster), 1e-8)
-        << cluster; // nothing learned
+    EXPECT_NEAR(probability(trained.ends, 0, cluster), probability(before, 0, cluster), 1e-8) << cluster; // not trained
 }
 
 } // namespace

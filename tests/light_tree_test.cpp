@@ -37,7 +37,7 @@ double angle_to(const LightBounds& subtree, const LightBounds& light) {
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-// Every light in exactly one leaf, its trail leads there, and all clusters on the way hold it.
+// Every light in exactly one leaf, its branches lead there, and all clusters on the way hold it.
 void check(const std::vector<LightBounds>& lights) {
   const LightTree tree = build_light_tree(lights);
   ASSERT_EQ(tree.records.size(), lights.size()); // a root and n - 1 nodes of 32 bytes

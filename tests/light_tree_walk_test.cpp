@@ -98,7 +98,7 @@ TEST_F(LightTreeWalk, PicksFollowTheirProbabilities) {
   }
 }
 
-// Below one column, as the learned selection draws.
+// Below one cluster, as trained selection draws.
 TEST_F(LightTreeWalk, PicksBelowAClusterFollowTheirProbabilities) {
   const std::vector<LightBounds> lights = mixed_lights(2000, 5);
   const LightTree tree = build_light_tree(lights);

@@ -331,7 +331,7 @@ TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
   EXPECT_NE(outcome.err.find("already holds samples up to 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
 }
 
-// What lights are chosen by is learned for as long as the render was to be when it began.
+// Light selection is trained for as long as the render was to be when it began.
 TEST_F(Resume, KeepsTheTrainingOfLights) {
   const auto training_paths = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--env", "studio", "--stats", path("stats.json")});
@@ -359,7 +359,7 @@ TEST_F(Resume, KeepsTheTrainingOfLights) {
   EXPECT_NE(merged.err.find("cannot be merged"), std::string::npos) << merged.err;
 }
 
-// A path is traced with what the pilot of its render has learned, also of one that was resumed.
+// A path is traced with the trained probabilities of its render, also of one that was resumed.
 TEST_F(Resume, ReplaysPathsOfRendersThatTrained) {
   const auto with = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), {"--env", "studio", "--filter", "box", "--integrator", "path"});
@@ -388,7 +388,7 @@ TEST_F(Resume, ReplaysPathsOfRendersThatTrained) {
   expect_replayed(4, longer);
 }
 
-// Parts learn alike, whatever their length.
+// Parts train alike, whatever their length.
 TEST_F(Resume, PartsThatTrainLightsJoinToTheWhole) {
   const std::vector<std::string> studio{"--env", "studio"};
   const auto with = [&](std::vector<std::string> flags) {

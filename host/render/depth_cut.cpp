@@ -11,10 +11,10 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
                            KernelCompiler& kernels, SceneOnDevice& shared, const ProgressCallback& progress) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderPlan small = pilot_settings(settings, kLongestSide, kSamples);
-  small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
+  small.guide = false; // the same picture, without the seconds of training a field for each of the two
   small.training.found = shared.light_probabilities;
   const Picture cut = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
-  small.training.found = shared.light_probabilities; // both with the same, wherever they were learned
+  small.training.found = shared.light_probabilities; // both with the same, wherever they were trained
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render_pilot(device, scene, view, small, progress, kernels, shared).picture;
 

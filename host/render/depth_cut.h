@@ -1,4 +1,4 @@
-// What --max-depth costs: the share of the light that longer paths would have brought.
+// What --max-depth costs: the fraction of the light that longer paths would have found.
 #pragma once
 
 #include "host/render/render.h"

@@ -26,7 +26,7 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 struct SceneOnDevice {
   std::shared_ptr<const DeviceScene> scene; // null before the first render
   double upload_seconds = 0.0;
-  LightProbabilities light_probabilities; // learned by the latest render that learned any
+  LightProbabilities light_probabilities; // of the latest render that trained any
 };
 
 // The same with kernels that may have been begun before the scene was known. `shared`: null where no other render

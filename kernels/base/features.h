@@ -49,12 +49,12 @@ GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list 
 GPU_CONSTANT Feature kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
 GPU_CONSTANT Feature kFeatureLightTree = 1u << 27;  // many local lights: picked by a walk down a tree
-GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // in shares that a pilot has learned
-GPU_CONSTANT Feature kFeatureGuide = 1u << 29;      // directions are also drawn from a learned field
+GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // with trained probabilities by cell of space
+GPU_CONSTANT Feature kFeatureGuide = 1u << 29;      // directions are also drawn from a trained field
 GPU_CONSTANT Feature kFeaturePanes = 1u << 30;      // thin smooth panes, or walls, that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT Feature kFeatureTraining =
-    1u << 31; // of pilots alone: their kernels note what shares of lights and of the sky, and the guide, learn from
+    1u << 31; // of training passes alone: kernels record what lights, sky and guide are trained on
 
 // What a material may have beyond glTF's metallic-roughness model: see kernels/surface/layers.glsl.
 GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);
@@ -77,7 +77,7 @@ GPU_CONSTANT Feature kFeatureSampledTextures =
     GPU_LOBE(13); // the device's samplers look textures up; kernels without this bit have other bindings
 GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14); // but beside these there are some that they do not
 GPU_CONSTANT Feature kFeatureLearnedSky =
-    GPU_LOBE(15); // parts of the environment map are picked in shares that a pilot has learned
+    GPU_LOBE(15); // parts of the environment map are picked with trained probabilities
 GPU_CONSTANT Feature kFeatureWalls =
     GPU_LOBE(16); // bodies of ior 1, whose walls shadow rays pass; beside kFeaturePanes
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know

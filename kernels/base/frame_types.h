@@ -52,7 +52,7 @@ struct Frame {
   uint slot_count;        // capacity of one ray queue
   uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
-  float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureTraining)
+  float light_sum_scale;  // radiance to units of the sums of training (kFeatureTraining)
   uint probes;            // kProbesNone, kProbesPixels or kProbesQuads (error_probes.h)
   uint scene_lobes;       // kLobe bits, likewise
   uint first_layers;      // texel of the first MaterialLayers

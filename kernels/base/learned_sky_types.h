@@ -1,4 +1,5 @@
-// Parts of an environment map that light samples are drawn from, in shares learned by the rows of light_tree_types.h.
+// Parts of an environment map that light samples are drawn from, with probabilities trained by cell
+// (light_tree_types.h).
 #ifndef WAVEPATH_LEARNED_SKY_TYPES_H
 #define WAVEPATH_LEARNED_SKY_TYPES_H
 
@@ -15,9 +16,9 @@ GPU_CONSTANT uint kSkySide = 1u << kSkySideBits;
 GPU_CONSTANT uint kSkyParts = kSkySide * kSkySide; // part: kSkySide * band + column
 GPU_CONSTANT uint kSkyCellWords = kSkySide + kSkyParts;
 
-// kBindLightCells holds, behind the shares of lights where there are such, kSkyCellWords a row: ends of the bands'
-// shares of all integers, then of the columns' shares in each band. kBindLightSums likewise: four words a part, see
-// kernels/path/connect.comp, and four more a row: picks, and the row of the cell around it plus one.
+// kBindLightCells holds, behind the clusters of lights if there are any, kSkyCellWords words a cell: ends of the
+// intervals of the bands, then of the columns in each band. kBindLightSums likewise: four words a part and four more a
+// cell, see host/integrators/path/cell_histograms.h.
 GPU_CONSTANT uint kSkySumBins = kSkyParts + 1u;
 
 #ifdef __cplusplus

@@ -9,12 +9,12 @@ namespace wavepath::gpu {
 #endif
 
 GPU_CONSTANT uint kBindLightTree =
-    56u; // texels RGBA32UI: root and nodes; by light trail and column; the columns' trails
+    56u; // texels RGBA32UI: root and nodes; branches and cluster by light; branches by cluster
 
 // A link is the record of an inner node, or with kLightLeaf the index of a light.
 GPU_CONSTANT uint kLightLeaf = 0x80000000u;
 GPU_CONSTANT uint kLightTwoSided = 0x40000000u;    // some light below shines to both sides
-GPU_CONSTANT uint kLightClusterRoot = 0x20000000u; // a column of the learned selection begins here
+GPU_CONSTANT uint kLightClusterRoot = 0x20000000u; // root of a cluster of trained selection
 GPU_CONSTANT uint kLightIndexMask = kLightClusterRoot - 1u;
 
 GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
@@ -45,13 +45,12 @@ GPU_CHECK(sizeof(LightTreeNode) == 16 * kLightRecordTexels);
 // Exponent of the smallest intensity that 16 bits hold, six of them exponent, in units of the whole tree's.
 GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
 
-// ---- learned selection ----------------------------------------------------------------------------------------------
-// A row for every cell of space, by hash; its columns share the light that comes there: subtrees of the light tree, the
-// environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
-GPU_CONSTANT uint kBindLightCells =
-    57u; // texels R32UI: by row and column the end of the column's share of all integers
+// ---- trained selection ----------------------------------------------------------------------------------------------
+// Every cell of space, by hash, has probabilities of clusters of lights: subtrees of the light tree, the environment,
+// all directional lights, and the whole tree, which is chosen often enough that no light is left out.
+GPU_CONSTANT uint kBindLightCells = 57u; // texels R32UI: by cell and cluster the end of its interval of the integers
 GPU_CONSTANT uint kBindLightSums =
-    58u; // storage uint[], four a column (kFeatureTraining), see kernels/path/connect.comp
+    58u; // storage uint[] (kFeatureTraining), see host/integrators/path/cell_histograms.h
 GPU_CONSTANT uint kLightCells = 1u << 14;
 GPU_CONSTANT uint kLightClusters = 64u;
 GPU_CONSTANT uint kSubtreeClusters = 61u;

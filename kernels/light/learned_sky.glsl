@@ -1,8 +1,8 @@
-// Parts of an environment map or of a sky of one colour, chosen in shares that were learned near a receiver: indoors
-// most of either is hidden, and a surface sees half of it at most. A direction is drawn by two numbers
-// (sample_environment_map, sky_direction); a part is a square of these, so that all parts have the same probability
-// without it and a net of numbers stays a net in every part. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE
-// and BIND_ENVIRONMENT first.
+// Parts of an environment map or of a sky of one colour, chosen with probabilities that were trained near a receiver:
+// indoors most of either is hidden, and a surface sees half of it at most. A direction is drawn by two numbers
+// (sample_environment_map, sky_direction). A part is a square of these numbers, so that all parts have the same
+// probability without training, and a net of numbers stays a net in every part. Include bindings.glsl with BIND_LIGHTS,
+// BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_LEARNED_SKY_GLSL
 #define WAVEPATH_LEARNED_SKY_GLSL
 
@@ -16,7 +16,7 @@ bool uses_learned_sky() { return has_lobe(kFeatureLearnedSky) && (frame.scene_lo
 uint first_sky_end; // of which sky_end tells
 uint sky_end(uint i) { return texelFetch(light_cells, int(first_sky_end + i)).x; }
 
-// The ends of a row's bands, and of the columns of one.
+// The ends of a cell's bands, and of the columns of one.
 uint first_band(Receiver receiver) {
   return (uses_light_cells() ? kLightCells * kLightClusters : 0u) + light_cell(receiver) * kSkyCellWords;
 }
@@ -24,8 +24,8 @@ uint first_in_band(uint first_band_, uint band) { return first_band_ + kSkySide 
 
 float sky_probability(uint i) { return fraction_of_integers(sky_end(i) - (i > 0u ? sky_end(i - 1u) : 0u)); }
 
-// Turns numbers into such that the map is drawn from in the shares of the receiver's cell. Returns how many times more
-// probable its part has become.
+// Warps two numbers so that they pick parts with the probabilities of the receiver's cell. Returns how many times more
+// probable the part has become.
 float pick_sky_part(Receiver receiver, inout uvec2 u) {
   u = min(u, uvec2(kLargestPick));
   uint first = first_band(receiver), band, column, begin, end;
@@ -66,7 +66,7 @@ uvec2 sky_part(vec3 direction) {
   return min(begin + inside, uvec2(kLargestPick)) >> (32u - kSkySideBits);
 }
 
-// How many times more probable the part of a direction is than without learning.
+// How many times more probable the part of a direction is than without training.
 float sky_part_ratio(Receiver receiver, vec3 direction) {
   if (!uses_learned_sky()) return 1.0;
   uvec2 part = sky_part(direction);

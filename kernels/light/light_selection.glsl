@@ -1,5 +1,5 @@
-// Which light next-event estimation goes to from a receiver: by power, by the light tree, or by shares that were
-// learned near it. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
+// Which light next-event estimation goes to from a receiver: by power, by the light tree, or with probabilities that
+// were trained near the receiver. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
 #ifndef WAVEPATH_LIGHT_SELECTION_GLSL
 #define WAVEPATH_LIGHT_SELECTION_GLSL
 
@@ -28,11 +28,13 @@ Receiver unpack_receiver(uvec4 words) {
   return Receiver(uintBitsToFloat(words.xyz), (words.w & 1u) != 0u ? octahedral_direction(at) : vec3(0.0));
 }
 
-// ---- learned shares ---------------------------------------------------------------------------------------------
+// ---- trained probabilities --------------------------------------------------------------------------------------
 
-// Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that
-// they look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above
-// 0 cells are 4^level times as wide: from these a pilot learns where it saw little.
+// Index of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that
+// they look alike from there; a cube has a cell for each of the six axes that a surface may face. Indices are hashes.
+// Cells of a level above 0 are 4^level times as wide: they train cells that were seldom visited.
+//
+//     eye .  |_|_|_|_|___|___|___|___|_______|_______|     sides of 1/4 to 1/8 of the distance
 uint light_cell(Receiver receiver, int level) {
   vec3 offset = receiver.position - frame.camera_position;
   uint exponent =
@@ -56,7 +58,8 @@ float cluster_probability(uint cell, uint cluster) {
 }
 
 // ---- the light tree's words -------------------------------------------------------------------------------------
-// Behind the records: by light its trail and its column, two lights a texel, then the columns' trails, four a texel.
+// Behind the records: by light its branches and its cluster, two lights a texel; then branches by cluster, four a
+// texel.
 
 uvec2 light_branches_and_cluster(uint light) {
   uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * frame.local_light_count + (light >> 1u)));
@@ -71,7 +74,7 @@ uint cluster_branches(uint cluster) {
 
 // ---- picks ------------------------------------------------------------------------------------------------------
 
-// Shares of the picks that groups of lights have by power. The intervals of the local ones come first.
+// Probabilities of groups of lights by power, as intervals of the integers. Local lights come first.
 uint local_end() { return light_end(frame.local_light_count - 1u); }
 uint placed_lights() { return frame.light_count - (frame.environment_probability > 0.0 ? 1u : 0u); }
 float fraction_of_integers(uint count) { return float(count) * (1.0 / 4294967296.0); }

@@ -34,7 +34,7 @@ void enter_part(inout Draw draw, uint first, uint size) {
   draw.value = ((draw.value - first) << shift) | (draw.spare & ((1u << shift) - 1u));
 }
 
-// True with probability `share`, which is neither 0 nor 1.
+// True with that probability, which is neither 0 nor 1.
 bool draw_choice(inout Draw draw, float probability) {
   uint below = uint(float(draw.range) * probability);
   bool inside = draw.value < below;
@@ -138,8 +138,8 @@ Fork fetch_fork(Receiver receiver, LightCluster at) {
   return fork;
 }
 
-// Where a walk ended: at a light, which it reaches with this probability from the root, and from the column on its way
-// with `below_cluster`. kNone: at subtrees that cannot contribute.
+// The end of a walk: a light, with its probability from the root, and from the root of its cluster (`below_cluster`).
+// kNone: subtrees that cannot contribute.
 struct LightWalk {
   uint light;
   float probability, below_cluster;
@@ -147,7 +147,7 @@ struct LightWalk {
 
 const LightWalk kNowhere = LightWalk(kNone, 0.0, 0.0);
 
-// Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column
+// Follows `branches`, whose bit d chooses at depth d. Draws its choices instead if `drawn`, or once it is in a cluster
 // if `drawn_below_cluster`.
 LightWalk walk_lights(Receiver receiver, uint branches, bool drawn, bool drawn_below_cluster, inout Draw draw) {
   LightCluster at = fetch_light_root();
@@ -175,8 +175,8 @@ LightWalk walk_lights(Receiver receiver, uint branches, bool drawn, bool drawn_b
   return walk;
 }
 
-// A light drawn from the whole tree; from the subtree of a column, to which `trail` leads; and the probability of the
-// light at the end of `trail`.
+// A light drawn from the whole tree; from a cluster, to which `branches` lead; and the probability of the light at the
+// end of `branches`.
 LightWalk draw_from_tree(Receiver receiver, inout Draw draw) { return walk_lights(receiver, 0u, true, true, draw); }
 LightWalk draw_from_cluster(Receiver receiver, uint branches, inout Draw draw) {
   return walk_lights(receiver, branches, false, true, draw);

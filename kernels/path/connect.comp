@@ -41,9 +41,9 @@ void add_to_sum(uint first, uint value) {
   if (before + value < before) atomicAdd(light_sums[first + 1u], 1u);
 }
 
-// For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives, counted for
-// one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked
-// there, and the two cells around it: the host adds up what cells within one teach.
+// Training: adds a light's contribution to one of `bins` of the cell of the vertex, unblocked and as it arrives. Cells
+// begin at word `first`. Behind the bins come the number of picks and the two wider cells around the cell; the host
+// adds up the cells within a wider one (host/integrators/path/cell_histograms.h).
 void tally(Receiver receiver, uint first, uint bins, uint bin, uint brought, bool blocked) {
   uint sums = first + 4u * light_cell(receiver) * (bins + 1u), behind = sums + 4u * bins;
   if (brought > 0u) {

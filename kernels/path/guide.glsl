@@ -1,4 +1,4 @@
-// Path guiding: directions drawn from what a pilot learned of the light that arrives, beside those of the BSDF
+// Path guiding: directions drawn from a field trained on the light that arrives, beside those of the BSDF
 // (one-sample MIS).
 //
 // The field is a tree over space, in the spirit of Mueller, Gross and Novak, "Practical Path Guiding" (EGSR 2017). Each

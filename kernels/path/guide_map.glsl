@@ -31,7 +31,7 @@ vec3 map_direction(vec2 position) {
   return vec3((behind ? -along : along) * scale, y, across * scale);
 }
 
-// Density per solid angle over what it would be if all places had the same share of the sphere.
+// Density per solid angle over what it would be if all positions had the same solid angle.
 float map_stretch(float azimuth) {
   bool behind;
   float across = abs(azimuth_across(azimuth, behind)), along = 1.0 - across;

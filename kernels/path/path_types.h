@@ -21,7 +21,7 @@ GPU_CONSTANT uint kBindPathAovs = 27u;   // storage PathAovs[], one a slot (kFea
 GPU_CONSTANT uint kBindPathTexels = 28u; // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
-                                         // reaches the eye without a bounce, share of the albedo that is no mirror
+                                         // reaches the eye without a bounce, fraction of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
 GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): places in the queue of the rays that
                                          // hit, from the front, and of those that escaped, from the back

@@ -6,18 +6,18 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/sky.glsl"
 
-#define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
+#define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky()) // whether further directions are drawn with trained probabilities
 
 // Directions in which a vertex looks for the sky, besides the path's own.
 uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, USES_LEARNED_SKY, bounce) - 1u; }
 
-// The density per solid angle of all of them together, where they are learned, given how many times more probable the
-// part of one has become.
+// The density per solid angle of all trained directions together, given how many times more probable the part of one
+// has become.
 float learned_sky_pdf(uint bounce, float part_ratio) {
   return float(further_directions(bounce)) * warp_uniform_sphere_pdf() * part_ratio;
 }
 
-// What is left of the sky to the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was learned.
+// The weight of the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was trained.
 float sky_weight(float bsdf_pdf) {
   return SAMPLES_SKY && !USES_LEARNED_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(frame.sky_samples) : 1.0;
 }

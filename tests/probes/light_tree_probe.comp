@@ -12,11 +12,11 @@ struct Element {
   vec3 position;
   uint bits;   // of the pick
   vec3 normal;
-  uint branches;  // of the light whose probability is asked for, or of a column
+  uint branches;  // of the light whose probability is asked for, or of a cluster
   uint light;  // picked
   float probability, below_cluster, remainder;
-  float asked, asked_below_cluster; // of the light at the end of `trail`
-  uint in_cluster;                  // 1: draw from the column that `trail` leads to
+  float asked, asked_below_cluster; // of the light at the end of `branches`
+  uint in_cluster;                  // 1: draw from the cluster that `branches` lead to
   uint pad0;
 };
 layout(set = 0, binding = 1, std430) buffer Elements { Element elements[]; };

@@ -528,7 +528,7 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
   }
 }
 
-// Blocks of pixels spread evenly over the picture. Until learn(), occlusion rays measure how enclosed the place is.
+// Blocks of pixels spread evenly over the picture. Until end_pilot(), occlusion rays measure how enclosed the scene is.
 std::optional<Pilot> Hybrid::pilot() {
   if (!lights() || settings_.ambient || !ambient() || knows_ambient_) return std::nullopt;
   Pilot pilot{.segments = {}, .samples = 1, .seed = kAmbientPilotSeed};

@@ -105,7 +105,7 @@ private:
   Kept<ShadowTechnique, const ShadowKind*> shadows_; // none where rays are traced
   ShadowTimes shadow_times_;
   Kept<ScreenSpaceOcclusion, const OcclusionKind*> occlusion_; // none where rays are traced
-  bool piloting_ = false;                                      // until learn()
+  bool piloting_ = false;                                      // until end_pilot()
   Kept<LocalShading, const ShadingKind*> shading_;             // none where materials are glTF's own
   struct LayersMadeFor {
     const LayerRecipe* recipe = nullptr;

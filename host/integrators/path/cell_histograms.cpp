@@ -56,9 +56,9 @@ const CellHistograms::Probabilities& CellHistograms::probabilities_of(Sums& wide
   return wider.trained;
 }
 
-// The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
-// is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v)
-// m, the geometric mean of both sums.
+// The variance is least where a bin's probability is proportional to the root of the mean square of its contribution.
+// Blocked light contributes nothing: a bin that contributes m if visible, and is visible with probability v, has the
+// root mean square sqrt(v) m, which is the geometric mean of both sums.
 CellHistograms::Probabilities CellHistograms::mix(const Sums& sums, const Probabilities& around) const {
   Probabilities probabilities(prior_.size(), 0.0);
   double total = 0.0;

@@ -1,4 +1,5 @@
-// What a pilot's sums by cells of space teach: shares of columns, be they lights or parts of a sky.
+// Probabilities of bins, by cell of space, trained by the sums of a training pass. Bins are clusters of lights, or
+// parts of a sky.
 #pragma once
 
 #include <cstddef>
@@ -9,30 +10,35 @@
 
 namespace wavepath {
 
-// kLightCells copies of the words of a row.
+// The words of one cell, for each of kLightCells cells.
 std::vector<std::uint32_t> in_every_cell(std::span<const std::uint32_t> cell);
 
-// `sums`, as kernels/path/connect.comp makes them: a row of columns + 1 times four words for each of kLightCells cells.
-// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the wider cells around
-// it: 1 + kLightCells * (row of that four times as wide) + row of that sixteen times as wide. Of cells that share a row
-// by chance, all sums teach the wider cells of one. They outlive the lessons.
+// Layout of `sums`, which kernels/path/connect.comp writes: kLightCells cells of (bins + 1) * 4 words.
+//
+//     cell     bin 0                    bin 1      ...   behind the bins
+//     words    uint64 unblocked light   ...              picks, wider cells, unused, unused
+//              uint64 light that arrives
+//
+// Wider cells: 1 + kLightCells * (index of the cell 4 times as wide) + (index of that 16 times as wide); 0 if the cell
+// was never visited. Cells whose hashes are equal share their sums, which count for the wider cells of one of them. The
+// sums outlive the histograms.
 class CellHistograms {
 public:
   using Probabilities = std::vector<double>;
 
-  // `prior`: shares without a lesson, which sum to 1; those beyond `columns` cannot be learned. `prior_picks`: as how
-  // many picks of a cell's own what is known around it counts.
+  // `prior`: probabilities without training, which sum to 1; those beyond `bins` are not trained. `prior_picks`: weight
+  // of the cells around a cell, in picks of its own.
   CellHistograms(Probabilities prior, std::size_t bins, double prior_picks, std::span<const std::uint32_t> sums);
 
-  // Rows that the pilot came to, rising.
+  // Cells that the training pass visited, ascending.
   std::span<const std::uint32_t> cells() const { return cells_; }
-  // What such a row has learned, its few picks filled up by those of the cells around it.
+  // Trained probabilities of such a cell. The fewer picks it has, the more the cells around it count.
   Probabilities trained(std::uint32_t cell);
 
 private:
   // Of a cell, or of all cells within a wider one.
   struct Sums {
-    std::vector<std::uint64_t> brought, arrived; // by column
+    std::vector<std::uint64_t> brought, arrived; // by bin
     std::uint64_t picks = 0;
     Probabilities trained; // empty: not yet asked for
   };

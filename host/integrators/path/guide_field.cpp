@@ -16,7 +16,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::size_t kLeafVertices = 300; // of a leaf, but for ties; a part with twice as many is halved
-constexpr double kCommon = 0.1;            // share of an average leaf in what all leaves say of the probability
+constexpr double kCommon = 0.1;            // weight of all leaves in the choice of the probability of one
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
 
 // A part of space: the vertices [first, last) of the order. Halved at `plane` along `axis` into the nodes `child` and

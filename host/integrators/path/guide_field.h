@@ -1,7 +1,7 @@
-// The field that guides paths: where light comes from, by place and direction, as a pilot found it.
+// The field that guides paths: where light comes from, by position and direction, as training found it.
 //
-// Built on the host from the vertices of the pilot's paths, in an order that depends on nothing but their numbers, so
-// that the same pilot gives the same bits. kernels/path/guide.glsl reads it.
+// Built on the host from the vertices of the training pass, in an order that depends on nothing but their numbers, so
+// that the same pass gives the same bits. kernels/path/guide.glsl reads it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ inline constexpr std::uint64_t kGuideMapBytes =
     std::uint64_t{kMostGuideLeaves} * gpu::kGuideMapTexels * sizeof(glm::uvec4);
 inline constexpr std::uint64_t kGuideTreeBytes = 4 * std::uint64_t{kMostGuideLeaves} * sizeof(gpu::GuideNode);
 
-// Where a path of the pilot scattered, in which direction, and what that brought.
+// A vertex of a training path: where it scattered, in which direction, and the light from there.
 struct GuideVertex {
   glm::vec3 position{0.0f};
   float pdf = 0.0f; // of the direction
@@ -34,7 +34,7 @@ struct GuideVertex {
 struct GuideField {
   std::vector<gpu::GuideNode> nodes; // the root first
   std::vector<glm::uvec4> maps;      // kGuideMapTexels a leaf
-  // Second moment of the contributions with the field over that without it, as one half of the paths foretells for the
+  // Second moment of the contributions with the field over that without it, as one half of the paths predicts for the
   // other: below 1 where guiding pays.
   double gain = 1.0;
   double probability = 0.0; // of guiding, over all vertices

@@ -1,4 +1,4 @@
-// A density over the sphere, learned from directions and what they brought, and as kernels draw from it
+// A density over the sphere, trained by directions and the light from there, and as kernels draw from it
 // (kernels/path/guide_map.glsl).
 #pragma once
 
@@ -29,7 +29,7 @@ using GuideMap = std::vector<float>;
 
 // Of the finest grid, in that order.
 std::uint32_t map_cell(const glm::vec3& direction);
-// Density per solid angle over what it would be if all cells had the same share of the sphere.
+// Density per solid angle over what it would be if all cells had the same solid angle.
 float map_stretch(const glm::vec3& direction);
 float map_density(const GuideMap& map, std::uint32_t cell);
 

@@ -9,12 +9,12 @@ namespace {
 constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
 constexpr std::uint32_t kLeastIterations = 2;
-// A pixel, in an iteration: small pictures learn from fewer paths. Iterations that long renders alone have may be
+// A pixel, in an iteration: small pictures train on fewer paths. Iterations that long renders alone have may be
 // longer.
 constexpr std::uint32_t kMostSamples = 64, kMostSamplesIfLong = 1024;
 constexpr std::size_t kTrainsOn = 3; // iterations: the last ones
 
-// Foretold variance below which the picture is guided, and above which the pilot ends early. A guided sample costs
+// Predicted variance below which the picture is guided, and above which training ends early. A guided sample costs
 // about 1.3 times an unguided one (llvmpipe).
 constexpr double kPays = 0.75, kHopeless = 0.85;
 
@@ -56,8 +56,8 @@ std::uint32_t GuideTraining::iteration_end(std::uint32_t iteration) const {
   return end;
 }
 
-// Share of a sample's variance that guided directions can change: the rest is made by light samples at first hits and
-// by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
+// Fraction of a sample's variance that guided directions can change: the rest is made by light samples at first hits
+// and by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
 double GuideTraining::guidable_fraction() const {
   double whole = 0.0, guidable = 0.0;
   for (std::size_t first = 0; first < samples_.size(); first += 2 * pixels())
@@ -85,7 +85,7 @@ std::span<const GuideVertex> GuideTraining::training_vertices() const {
   return std::span(vertices_).subspan(iteration_ + 1 < kGuideIterations ? iteration_begins_.back() : 0);
 }
 
-// Leaves out those from which the next iteration does not learn, and makes room for its own.
+// Leaves out vertices on which the next iteration does not train, and reserves memory for its own.
 void GuideTraining::forget_vertices() {
   const std::size_t own = vertices_.size() - iteration_begins_.back();
   iteration_begins_.push_back(vertices_.size());

@@ -1,8 +1,8 @@
-// Learning the field that guides paths from a pilot, in iterations of which each is guided by the one before.
+// Training of the field that guides paths, in iterations of which each is guided by the one before.
 //
-// The pilot is a small picture of the same view, whose samples are thrown away. Its records come in the order of its
-// paths, however waves were cut, so that what is learned depends on the scene, the view, its size, the seed and the
-// number of iterations alone: parts of a render and resumed ones learn the same field.
+// The training pass is a pilot: a small picture of the same view, whose samples are discarded. Its records come in the
+// order of its paths, however waves were cut, so that the field depends on the scene, the view, its size, the seed and
+// the number of iterations alone: parts of a render and resumed renders train the same field.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// The shares of kernels/light/light_selection.glsl, by row and column: as they are before a pilot, and as it teaches
-// them.
+// Probabilities of kernels/light/light_selection.glsl, by cell and cluster: before training, and trained.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +14,19 @@ inline constexpr std::uint64_t kLightCellBytes =
     std::uint64_t{gpu::kLightCells} * gpu::kLightClusters * sizeof(std::uint32_t);
 inline constexpr std::uint64_t kLightSumBytes = 4 * kLightCellBytes;
 
-// Sums of a pilot, four words a column: 64 bits of what lights would bring, 64 bits of what arrives. The first word of
-// the tree's column: picks.
+// Intervals of the integers, by cell and cluster, whose lengths are the probabilities.
 struct TrainedLights {
   std::vector<std::uint32_t> ends;
-  std::uint32_t cells = 0; // that learned anything
+  std::uint32_t cells = 0; // that were trained
 };
 
-// Every row: the shares of the groups by power, the local ones from the whole tree.
+// Every cell: the probabilities of groups of lights by power, local lights from the whole tree.
 std::vector<std::uint32_t> prior_light_cells(const PackedScene& scene);
 
-// Rows that the pilot has not reached stay as they are without it.
+// Cells that the training pass has not visited keep the prior.
 TrainedLights train_light_cells(const PackedScene& scene, std::span<const std::uint32_t> sums);
 
-// Units of the sums for one of radiance. `of_one_colour`: the pilot looks for such a sky as well.
+// Units of the sums for one of radiance. `of_one_colour`: a sky of one colour is trained as well.
 double light_sum_scale(const PackedScene& scene, bool of_one_colour);
 
 } // namespace wavepath

@@ -15,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPartTrainingPaths = 1u << 16; // whole samples of a small picture that it holds; else one
+constexpr std::uint64_t kPartTrainingPaths = 1u << 16; // whole samples of a small picture within it; else one
 constexpr std::uint32_t kTrainingSeed = 0x6c8e9cf5u;
 
 // A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
@@ -27,7 +27,7 @@ Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
   Pilot pilot{.samples = samples, .seed = kTrainingSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
-  pilot.reuses_paths = false; // it learns by what a light is worth to the whole path
+  pilot.reuses_paths = false; // training counts what a light is worth to the whole path
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height
                        ? even_segments(film.bands())
                        : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};
@@ -50,7 +50,7 @@ void LightTrainer::change(const RenderPlan& settings) {
       static_cast<float>(light_sum_scale(workspace_.scene, trains_one_colour(workspace_.scene, settings)));
 }
 
-// Those of the sky lie behind those of lights.
+// Words of the sky lie behind those of lights.
 void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
   Buffer& buffer = paths_.buffers[kLightProbabilities];
   if (of_lights_) buffer.write(lights.data(), lights.size_bytes());
@@ -85,7 +85,7 @@ Pilot LightTrainer::begin() {
 
 void LightTrainer::finish() {
   const std::uint64_t of_lights = of_lights_ ? kLightSumBytes : 0, of_sky = of_sky_ ? kSkySumBytes : 0;
-  std::vector<std::uint32_t> copy; // most rows are of cells that no path came to: not worth copying on a CPU device
+  std::vector<std::uint32_t> copy; // most cells were never visited: not worth copying on a CPU device
   const auto sums = look_at(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t), copy);
   TrainedLights lights;
   TrainedSky sky;

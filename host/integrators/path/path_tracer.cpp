@@ -9,7 +9,7 @@ std::uint32_t PathTracer::capacity() const {
          (guide_training_ ? kCapacityForGuideRecords : 0);
 }
 
-// The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
+// The plain kernels as well where guiding is asked for: training may find that it does not pay.
 void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory) {
   settings_ = settings;
   trainer_.change(settings);
@@ -25,7 +25,7 @@ void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory
     guide_training_need_ =
         path_need(kGuideTrainingProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
     guide_training_need_.config.features |= gpu::kFeatureTraining;
-    guide_training_need_.config.sky = gpu::kSkyByPaths; // it learns from the light that paths find themselves
+    guide_training_need_.config.sky = gpu::kSkyByPaths; // it trains on the light that paths find themselves
     kernels_.start(guide_training_need_);
     kernels_.start(guided_need_);
     use_field(guide_training_->field());
@@ -74,7 +74,7 @@ void PathTracer::train_guide() {
   guide_report_ = guide_training_->report();
   guide_training_.reset();
   training_ = Training::none;
-  paths_.buffers[kRecords] = Buffer(); // a place holder takes its place
+  paths_.buffers[kRecords] = Buffer(); // a dummy takes its binding
   paths_.change(settings_, kAllPathStages, capacity());
 }
 

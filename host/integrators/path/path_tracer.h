@@ -29,7 +29,7 @@ public:
 private:
   enum class Training { none, lights, guide };
 
-  std::uint32_t capacity() const; // bits of Extent::options for what is learned and used
+  std::uint32_t capacity() const; // bits of BufferDimensions::options for training and what comes of it
   void train_guide();
   void use_field(const GuideField& field);
 
@@ -39,8 +39,8 @@ private:
   LightTrainer trainer_;
   RenderPlan settings_;
   Training training_ = Training::none;           // that the pilot in progress, or the next one, is for
-  std::optional<GuideTraining> guide_training_;  // until it has learned
-  std::optional<GuideReport> guide_report_;      // once it has learned
+  std::optional<GuideTraining> guide_training_;  // until training has ended
+  std::optional<GuideReport> guide_report_;      // once training has ended
   KernelNeed guided_need_, guide_training_need_; // their own shade and escape kernels
 };
 

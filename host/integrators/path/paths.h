@@ -36,12 +36,12 @@ inline constexpr std::uint32_t kLightingStages =
     stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
 inline constexpr std::uint32_t kAllPathStages =
     stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
-                kAccumulate}); // of a path tracer that is not learning
+                kAccumulate}); // of a path tracer that is not training
 
 extern const KernelProgram kPathProgram;
 extern const KernelProgram kGuideTrainingProgram; // the same stages; a set of one never stands in for one of the other
 
-// Buffers of Paths, by place.
+// Buffers of Paths, by index.
 enum PathBuffer : std::size_t {
   kStates,
   kReceivers,

@@ -1,5 +1,4 @@
-// The shares of kernels/light/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it
-// teaches them.
+// Probabilities of kernels/light/learned_sky.glsl, by cell and part of the sky: before training, and trained.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +16,13 @@ inline constexpr std::uint64_t kSkySumBytes =
 
 struct TrainedSky {
   std::vector<std::uint32_t> ends;
-  std::uint32_t cells = 0; // that learned anything
+  std::uint32_t cells = 0; // that were trained
 };
 
-// Every row: all parts alike.
+// Every cell: all parts alike.
 std::vector<std::uint32_t> prior_sky_cells();
 
-// Rows that the pilot has not reached stay as they are without it.
+// Cells that the training pass has not visited keep the prior.
 TrainedSky train_sky_cells(std::span<const std::uint32_t> sums);
 
 } // namespace wavepath

@@ -26,7 +26,7 @@ struct Segment {
   int level = 0;
 };
 
-// Samples that are rendered before the first ones of the picture, to learn from, and thrown away.
+// Samples that are rendered before the first ones of the picture, to decide something or to train, and discarded.
 struct Pilot {
   std::vector<Segment> segments;
   std::uint32_t samples = 1;
@@ -38,7 +38,7 @@ struct Pilot {
 };
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
-// the pilot's pass and learn() while there is a pilot, then for every pass begin_pass(), record_wave() for all its
+// the pilot's pass and end_pilot() while there is a pilot, then for every pass begin_pass(), record_wave() for all its
 // waves, end_pass(). Recorded commands are executed in that order.
 class Integrator {
 public:

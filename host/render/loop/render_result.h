@@ -26,7 +26,7 @@ struct LightTraining {
   std::uint64_t paths = 0;
   double seconds = 0.0;
   std::uint32_t cells = 0, sky_cells = 0; // of lights, of parts of an environment map
-  LightProbabilities probabilities;       // null: no pilot
+  LightProbabilities probabilities;       // null: no training
 };
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };
@@ -34,14 +34,14 @@ enum class StopReason { samples, time, target_error, interrupted, device_lost };
 // Report of the pilot that measured where there is noise (--adaptive).
 struct NoisePilot {
   std::uint32_t samples = 0, width = 0, height = 0; // of its picture
-  double cost = 1.0;                                // squared error times time that it foretold, over even samples
-  bool used = false;                                // samples were shared out by it
+  double cost = 1.0;                                // predicted squared error times time, over even samples
+  bool used = false;                                // samples were distributed by it
 };
 
 // Report of the pilot that learned where light comes from (--guide).
 struct GuideReport {
   bool used = false;        // it promised a gain
-  double variance = 1.0;    // of a sample, guided over unguided, as the pilot foretells it
+  double variance = 1.0;    // of a sample, guided over unguided, as training predicts it
   double probability = 0.0; // of guiding at a vertex, on average
   std::uint32_t leaves = 0; // parts of space, each with a density over the sphere
   std::uint64_t bytes = 0;  // of the field

@@ -188,7 +188,7 @@ Json bvh_json(const PackedScene& packed) {
            static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
 }
 
-// Learned shares of the parts of an environment map; null where there are none.
+// Trained probabilities of the parts of an environment map; null where there are none.
 Json sky_selection_json(const LightTraining& pilot) {
   if (pilot.sky_cells == 0) return nullptr;
   return {{"parts", gpu::kSkyParts},

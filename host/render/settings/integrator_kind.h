@@ -38,15 +38,15 @@ struct IntegratorKind {
   std::span<const std::string_view> settings{};
   std::span<const std::string_view> aovs{};       // values of --aov besides those of all
   std::span<const std::string_view> lacks_aovs{}; // values of --aov of all that it cannot give
-  bool finds_light = true;                        // false: its picture is the unoccluded share, whatever the lights
+  bool finds_light = true;                        // false: its picture is the unoccluded fraction, whatever the lights
   bool traces_paths = true;                       // false: a sample is a frame, which reaches the film as a whole
   bool walks_light_tree = true;                   // false: it picks lights by power, however many there are
   bool passes_panes = false; // its shadow rays pass thin smooth panes, if paths may have more than one bounce
   bool nests_bodies = false; // its paths know all bodies that they are in (kLobeNested), not the last one alone
   bool sorts_hits = false;   // rays that hit and rays that escape are shaded by kernels of their own
   bool splats = false;       // it has light paths, which bring light to any pixel of the film
-  std::uint64_t light_training_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
-  std::uint64_t sky_training_bytes = 0; // of one that teaches it which parts of an environment map to look at; likewise
+  std::uint64_t light_training_bytes = 0; // of training for light selection; 0 = it has none
+  std::uint64_t sky_training_bytes = 0;   // of training for parts of an environment map; likewise
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};

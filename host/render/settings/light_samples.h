@@ -22,7 +22,7 @@ std::uint32_t light_samples_of(const RenderPlan& settings, gpu::Feature scene);
 // behind one.
 bool may_sample_sky(const RenderPlan& settings, gpu::Feature scene);
 // Whether a pilot of --sky-samples auto costs little more than its paths: lights have no tree, of which it would have
-// to learn, and materials no layers, whose kernels take long to compile.
+// to train, and materials no layers, whose kernels take long to compile.
 bool tries_sky_cheaply(gpu::Feature scene);
 // Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared. Where they
 // are learned, those of the first vertex, as light samples are (gpu::sky_samples_at).

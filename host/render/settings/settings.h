@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTrave
 // By what textures are filtered: by kernels in fp32, or by the device's samplers.
 inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
 
-// Whether samples are shared out by noise: where that pays, never, or always.
+// Whether samples are distributed by noise: where that pays, never, or always.
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 
 // Whether pixels share the paths of their neighbours: where that pays, never, or always.
@@ -76,7 +76,7 @@ struct RenderSettings {
   std::uint32_t occlusion = 0;              // technique: of kOcclusionTechniques
   std::uint32_t antialias = 0;              // technique: of kAntialiasTechniques
   double ao_bias = 10.0;                    // degrees over the tangent plane up to which nothing occludes
-  double ao_thinness = 0.0;                 // share by which what is seen behind a body lowers its horizon
+  double ao_thinness = 0.0;                 // fraction by which what is seen behind a body lowers its horizon
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
   std::uint32_t shadows = 0;                // technique: of kShadowTechniques
   std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
@@ -90,7 +90,7 @@ struct RenderSettings {
   std::uint32_t shadow_bits = 32;           // of each moment that a map holds
   std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
   std::string shadow_cookie;                // file of a picture that lights are shone through; empty = none
-  double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
+  double shadow_ambient = 0.0;              // fraction of a light that reaches what is in its shadow
   std::uint32_t shading = 0;                // how first hits reflect: of kShadingModels
   std::uint32_t interpolation = 2;          // where that is evaluated: of kInterpolationNames
   std::optional<double> shininess;          // exponent of highlights; empty = from the material's roughness
@@ -108,8 +108,8 @@ struct RenderSettings {
   std::uint32_t light_samples = 0;                // where a path first scatters; 0 = by the scene (light_samples.h)
   std::uint32_t sky_samples = 0;                  // a vertex; 0 = as pilots find, else 1 (light_samples.h)
   std::uint32_t reuse = kReuseAuto;               // of the paths of neighbouring pixels (path_reuse.h)
-  std::uint32_t adaptive = kAdaptiveAuto;         // more samples where a pilot, which is thrown away, found more noise
-  bool guide = false;                             // directions are also drawn from a field that a pilot learned
+  std::uint32_t adaptive = kAdaptiveAuto;         // more samples where a pilot found more noise
+  bool guide = false;                             // directions are also drawn from a trained field
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 };

@@ -208,7 +208,7 @@ std::vector<Binding> DeviceScene::bindings() const {
                               {gpu::kBindLights, texels_rgba32ui, &lights},
                               {gpu::kBindLightTree, texels_rgba32ui, &light_tree},
                               {gpu::kBindMaterials, texels_rgba32ui, &materials}};
-  // So few that what comes behind the scene, such as learned shares of lights, needs the block more.
+  // So few that what comes behind the scene, such as trained probabilities of lights, needs the block more.
   all.push_back({.slot = gpu::kBindTextures, .kind = texels_rgba32ui, .buffer = &textures, .is_small = true});
   all.push_back({.slot = gpu::kBindSrgbTable, .kind = texels_r32f, .buffer = &srgb_table, .is_small = true});
   // Kernels that know of more pages than there are never read them. Small texel buffers have one page.

@@ -55,7 +55,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t probing =
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;
-  // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
+  // A path that leaves the scene sees the environment, and ends a record on which guiding trains.
   const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
   const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
                              : escapes                        ? gpu::kSortEscapes

@@ -19,7 +19,7 @@ std::vector<std::uint32_t> build_intervals(std::span<const double> weights);
 std::vector<std::uint32_t> cut_intervals(std::span<const std::uint32_t> ends);
 std::size_t cut_count(std::size_t entries); // words of it: a power of two
 
-// With which entry i is picked: exactly its share of the integers.
+// Of picking entry i: exactly its fraction of the integers.
 double interval_probability(std::span<const std::uint32_t> ends, std::size_t i);
 
 } // namespace wavepath

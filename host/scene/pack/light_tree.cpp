@@ -95,7 +95,7 @@ double orientation_measure(const ClusterBounds& b) {
 
 // Squared diagonal in place of the surface area: the kernels bound a cluster by the sphere about its box, and rows of
 // lamps have no area. A smallest size, relative to the node that is split, keeps orientation and power in play where
-// lights share one place.
+// lights share one location.
 double cost(const ClusterBounds& b, double least_size) {
   if (b.theta_o < 0.0) return 0.0;
   const glm::dvec3 size = glm::dvec3(b.hi) - glm::dvec3(b.lo);
@@ -366,7 +366,8 @@ void assign_cluster(LightTree& tree, std::uint32_t link, std::uint32_t cluster) 
     for (const gpu::LightTreeChild& child : node_of(tree, index).child) assign_cluster(tree, child.link, cluster);
 }
 
-// Columns are the subtrees that remain when those of the largest intensity times size are divided, one after the other.
+// Clusters are the subtrees that remain when those of the largest intensity times size are divided, one after the
+// other.
 void choose_clusters(LightTree& tree) {
   struct Chosen {
     gpu::LightCluster cluster;

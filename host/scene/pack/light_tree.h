@@ -30,16 +30,16 @@ LightBounds point_light_bounds(const glm::vec3& position, double intensity);
 LightBounds spot_light_bounds(const glm::vec3& position, const glm::vec3& axis, double outer_cone, double intensity,
                               double power);
 
-inline constexpr std::uint32_t kDeepestLightTree = 32; // the way to a light is a word
+inline constexpr std::uint32_t kDeepestLightTree = 32; // branches to a light are bits of a word
 
 struct LightTree {
   struct Record {
     std::uint32_t words[8];
   };
   std::vector<Record> records;                 // the root, then one node less than there are lights: 32 bytes a light
-  std::vector<std::uint32_t> branches;         // by light the choices that lead to it, bit d the one at depth d
-  std::vector<std::uint32_t> clusters;         // by light the column of the learned selection that it belongs to
-  std::vector<std::uint32_t> cluster_branches; // by column
+  std::vector<std::uint32_t> branches;         // by light the branches that lead to it, bit d the one at depth d
+  std::vector<std::uint32_t> clusters;         // by light the cluster of trained selection that it belongs to
+  std::vector<std::uint32_t> cluster_branches; // by cluster
   std::uint32_t depth = 0;                     // most choices that lead to a light
 };
 
@@ -49,7 +49,7 @@ LightTree build_light_tree(std::span<const LightBounds> lights);
 // Of light_tree_words(): 40 a light, and 256.
 std::uint64_t light_tree_bytes(std::uint64_t lights);
 
-// What the kernels read: the records, trail and column of two lights in every 16 bytes, the trails of four columns.
+// As kernels read it: the records; branches and cluster of two lights in every 16 bytes; branches of four clusters.
 std::vector<glm::uvec4> light_tree_words(const LightTree& tree);
 
 // ---- reading a tree, as the kernels do ------------------------------------------------------------------------------
