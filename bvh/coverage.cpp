@@ -11,7 +11,7 @@ namespace {
 using Point = std::array<double, 3>;
 using Polygon = std::vector<Point>; // convex; empty if it has no corner beyond the tolerance
 
-// A half-space: sign * (p[axis] - place) <= 0.
+// A half-space: sign * (p[axis] - offset) <= 0.
 struct Side {
   std::size_t axis;
   double sign, offset;

@@ -6,7 +6,7 @@
 
 namespace wavepath {
 
-// The line of an Error (place, problem, remedy), and one of the same form for a lack of memory or threads.
+// The line of an Error (file, problem, remedy), and one of the same form for a lack of memory or threads.
 std::string failure_text(const std::exception& failure);
 
 // Steps of which each is tried, whatever became of those before: one output that fails does not cost the others.

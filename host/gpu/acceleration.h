@@ -1,5 +1,5 @@
 // Structures that a driver builds of triangles for ray queries (VK_KHR_acceleration_structure): one for every object,
-// and one over the places where objects stand.
+// and one over the instances of objects.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct QueryTriangles {
   std::span<const glm::vec3> asked;  // geometry 1: kernels decide, once for every ray that meets one
 };
 
-// An object at a place. The number of a place, counted from 0, is what ray queries tell as the custom index.
+// An object with a transform. Its index, counted from 0, is what ray queries report as the custom index.
 struct QueryInstance {
   std::uint32_t object = 0;       // as add() counts
   glm::vec4 world_from_object[3]; // rows

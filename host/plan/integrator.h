@@ -16,7 +16,7 @@ struct IntegratorChoice {
   std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
   std::vector<std::string> refused;   // and of those that the device cannot run
   bool hidden_lamps = false;          // for which it was taken without a trial, the render being short
-  std::size_t taken = 0;              // its place in `trials`
+  std::size_t taken = 0;              // its entry in `trials`
   std::string disagreement;           // what one that disagrees finds; empty where all agree
   double seconds = 0.0;               // that the pilots took, compiling included
   double render_seconds = 0.0;        // of these, rendering alone

@@ -1,4 +1,4 @@
-// Usage of data by the instances of a scene: meshes with their instance counts, materials, and the place of each mesh's
+// Usage of data by the instances of a scene: meshes with their instance counts, materials, and the index of each mesh's
 // vertices.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace wavepath {
 
 struct Usage {
   std::vector<std::uint32_t> mesh_instances; // by mesh: how many instances show it; 0 too if it has no triangle
-  std::vector<std::uint32_t> first_vertex;   // by mesh: its place in the packed vertex streams; kNoIndex if unused
+  std::vector<std::uint32_t> first_vertex;   // by mesh: its index in the packed vertex streams; kNoIndex if unused
   std::vector<bool> material_used;           // by material
   std::uint64_t vertex_count = 0;            // of all meshes in use, each once
   std::uint64_t triangles_stored = 0;        // each mesh once, before any is dropped

@@ -99,7 +99,7 @@ Measurement degenerate_triangles(const SelftestContext& context) {
   return result;
 }
 
-// 10,000 quads in one place: the lowest triangle of those hit at equal distance, every time; a tree no deeper than
+// 10,000 quads in one position: the lowest triangle of those hit at equal distance, every time; a tree no deeper than
 // twice what a balanced one is.
 Measurement coplanar_duplicates(const SelftestContext& context) {
   Positions positions;

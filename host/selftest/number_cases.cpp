@@ -134,7 +134,7 @@ Scene noisy_scene() {
   return scene;
 }
 
-// Look-ups of all textures of a noisy scene at the same places.
+// Look-ups of all textures of a noisy scene at the same positions.
 std::vector<float> look_up_noise(const SelftestContext& context, std::uint32_t textures, bool by_color) {
   RenderPlan settings;
   settings.textures = textures;
@@ -156,7 +156,7 @@ std::vector<float> look_up_noise(const SelftestContext& context, std::uint32_t t
   return values;
 }
 
-// Weights of 8 bits that are cut off miss by 1/256 of the contrast along each axis, and so may what the place in the
+// Weights of 8 bits that are cut off miss by 1/256 of the contrast along each axis, and so may what the position in the
 // image loses by rounding. What the average of 240,000 channels is off by shows a shift or another decoding; a driver
 // that filters in 8 bits and cuts off what is beyond (llvmpipe with lanes of 512 bits) is up to half a step too dark.
 constexpr double kSamplerError = 3.0 / 256.0, kSamplerBias = 0.5 / 255.0;

@@ -1,4 +1,4 @@
-// Cases of size and place: one picture at every scale and far from zero, and a bolt on a planet.
+// Cases of size and position: one picture at every scale and far from zero, and a bolt on a planet.
 #include <cmath>
 
 #include <fmt/format.h>

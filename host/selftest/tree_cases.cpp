@@ -97,7 +97,7 @@ Measurement equal_centroids(const SelftestContext& context) {
     positions.insert(positions.end(), {{r, -r, -r}, {-r, r, -r}, {-r, -r, r}});
   }
   TracedScene scene(context.device, context.kernels, pack_positions(positions));
-  scene.use_camera_rays(); // one a lane, as for 10,000 quads in one place
+  scene.use_camera_rays(); // one a lane, as for 10,000 quads in one position
   const double nested = scene.packed().bvh_seconds;
   const double random_ = pack_positions(triangle_soup(kCount, 19, 0.01f)).bvh_seconds;
   Random random(19);

@@ -19,7 +19,7 @@ struct KeyPress {
   int key = 0, modifiers = 0; // GLFW's
 };
 
-// The input since it was last taken. Places are pixels of the picture from its top left corner.
+// The input since it was last taken. Positions are pixels of the picture from its top left corner.
 struct Input {
   std::vector<KeyPress> keys;
   glm::dvec2 drag_left{0.0}, drag_middle{0.0}, drag_right{0.0}; // way of the pointer with that button held

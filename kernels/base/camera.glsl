@@ -1,4 +1,4 @@
-// The camera ray through a place in the picture. Include bindings.glsl first.
+// The camera ray through a position in the picture. Include bindings.glsl first.
 #ifndef WAVEPATH_CAMERA_GLSL
 #define WAVEPATH_CAMERA_GLSL
 
@@ -24,7 +24,7 @@ void camera_ray(vec2 position, out vec3 origin, out vec3 direction) {
 }
 
 // ---- a thin lens ----------------------------------------------------------------------------------------------------
-// Pharr, Jakob, Humphreys, "Physically Based Rendering", section 5.2.3: all rays of one place in the picture meet in
+// Pharr, Jakob, Humphreys, "Physically Based Rendering", section 5.2.3: all rays of one position in the picture meet in
 // one point of the plane of focus, wherever they pass the aperture; a pinhole is its middle.
 
 // A point of the unit disc, or of the regular polygon in it with a corner at the top; uniform over the area.
@@ -42,7 +42,7 @@ vec3 sample_lens(vec2 u) {
   return position.x * normalize(frame.camera_right) + position.y * normalize(frame.camera_up);
 }
 
-// The camera ray through a place in the picture, of a sample that draws its own point on the lens where there is one.
+// The camera ray through a position in the picture, of a sample that draws its own point on the lens where there is one.
 void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 direction) {
   camera_ray(position, origin, direction);
   if (kLens == kLensPinhole) return;

@@ -81,7 +81,7 @@ GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) 
   return kQuadPixels * (blocks - 1u) + (last < kQuadPixels ? last : kQuadPixels);
 }
 
-// By quads: which pixel of its quad a place is, in a picture of so many pixels; and how many places that quad has.
+// By quads: which pixel of its quad an entry is, in a picture of so many pixels; and how many entries that quad has.
 GPU_FUNCTION uint rank_in_quad(uint entry, uint pixels) {
   return (entry < pixels ? entry : entry - pixels) & (kQuadPixels - 1u);
 }

@@ -44,7 +44,7 @@ GPU_CONSTANT Feature kFeatureTransmissionTextures = 1u << 21;
 GPU_CONSTANT Feature kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT Feature kFeatureFloatTextures = 1u << 23;   // texels of four floats
 GPU_CONSTANT Feature kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
-GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list of places, by levels
+GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list of entries, by levels
                                                          // (wave.h), and generate keeps samplers
 GPU_CONSTANT Feature kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate

@@ -9,7 +9,7 @@ namespace wavepath::gpu {
 #endif
 
 GPU_CONSTANT uint kBindFrame = 0u;     // uniform Frame
-GPU_CONSTANT uint kBindEntries = 19u;  // texels R32UI: places in the order of waves (kFeatureAdaptive)
+GPU_CONSTANT uint kBindEntries = 19u;  // texels R32UI: entries in the order of waves (kFeatureAdaptive)
 GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
 // ---- one render -----------------------------------------------------------------------------------------------------
@@ -90,7 +90,7 @@ struct Wave {
   uint bounce;           // 0 = camera rays
   uint first_film_pixel; // pixel, in tile order, at the beginning of the film's buffer; for probes, entry minus offset
                          // in the buffer
-  uint level_entries[kLevels]; // kFeatureAdaptive: places of each level, the highest first, that make up pixel_count;
+  uint level_entries[kLevels]; // kFeatureAdaptive: entries of each level, the highest first, that make up pixel_count;
                                // first_sample and sample_count are those of level 0
 };
 

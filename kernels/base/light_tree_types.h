@@ -1,4 +1,4 @@
-// The light tree on the device: a binary tree over the lights that have a place, as records of 32 bytes.
+// The light tree on the device: a binary tree over the lights that have a location, as records of 32 bytes.
 #ifndef WAVEPATH_LIGHT_TREE_TYPES_H
 #define WAVEPATH_LIGHT_TREE_TYPES_H
 

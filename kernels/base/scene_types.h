@@ -183,14 +183,14 @@ GPU_CONSTANT uint kTextureLayerShift = 16u; // above it the layer of the atlas
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {
-  uint first_texel; // word index into the texel buffer; in an atlas its place, x | y << 16
+  uint first_texel; // word index into the texel buffer; in an atlas its position, x | y << 16
   uint width;
   uint height;
   uint flags;
   vec4 uv_matrix;
   vec2 uv_offset;
   uint mip_count; // levels besides the image itself; 0 unless frames of the render may look them up
-  uint first_mip; // word index of the first of them; the others follow. In an atlas they have their place beside it
+  uint first_mip; // word index of the first of them; the others follow. In an atlas they lie beside it
 };
 GPU_CONSTANT uint kTextureTexels = 3u;
 GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);

@@ -1,4 +1,4 @@
-// Which place and sample a slot of a wave works on. Compiled by kernels and host alike.
+// Which entry and sample a slot of a wave works on. Compiled by kernels and host alike.
 #ifndef WAVEPATH_WAVE_H
 #define WAVEPATH_WAVE_H
 
@@ -12,7 +12,8 @@ namespace wavepath::gpu {
 // Samples of a run of that level where one of level 0 has n; n is a multiple of 4, or the level 0 and above.
 GPU_FUNCTION uint at_level(uint n, int level) { return level >= 0 ? n << level : n >> -level; }
 
-// Consecutive places of a wave that have as many samples each. Slot = first_slot + local sample * places + local place.
+// Consecutive entries of a wave that have as many samples each. Slot = first_slot + local sample * entries + local
+// entry.
 struct WavePart {
   uint first_entry; // counted from the wave's first
   uint entries;
@@ -51,7 +52,7 @@ GPU_FUNCTION WavePart next_part(WavePart before, Wave wave, int level) {
   return part;
 }
 
-// The last part that is not empty and begins at or before `at`: a slot, or a place counted from the wave's first.
+// The last part that is not empty and begins at or before `at`: a slot, or an entry counted from the wave's first.
 GPU_FUNCTION WavePart part_of(Wave wave, uint at, bool is_slot) {
   WavePart part = highest_part(wave), found = part;
   for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
@@ -71,14 +72,14 @@ GPU_FUNCTION uint level_slots(Wave wave) {
   return sum;
 }
 
-// Of a slot in its part. A wave has far fewer samples of a place than divide() can tell apart.
+// Of a slot in its part. A wave has far fewer samples of an entry than divide() can tell apart.
 GPU_FUNCTION uint local_sample(WavePart part, uint slot) { return divide(slot - part.first_slot, part.entries); }
 GPU_FUNCTION uint local_entry(WavePart part, uint slot) {
   return part.first_entry + slot - part.first_slot - local_sample(part, slot) * part.entries;
 }
 
 #ifdef __cplusplus
-// All places get as many samples: kernels of an adaptive render take them for level 0. `first_entry`,
+// All entries get as many samples: kernels of an adaptive render take them for level 0. `first_entry`,
 // `first_film_pixel`: as Wave's first_pixel and first_film_pixel.
 inline Wave even_wave(uint first_entry, uint entries, uint first_sample, uint samples, uint first_film_pixel) {
   Wave wave{first_entry, entries, first_sample, samples, 0, first_film_pixel, {}};

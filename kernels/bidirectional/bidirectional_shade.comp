@@ -279,7 +279,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
 }
 
 
-// The same for the ray at this place in the queue, whose path ends if it is no longer finite.
+// The same for the ray at this index in the queue, whose path ends if it is no longer finite.
 void shade(uint index, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {
   wants = Wants(false, false, false);
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);

@@ -118,7 +118,7 @@ void start_at_infinity(vec3 to_light, vec2 u_position, inout LightStart start) {
 bool start_light_path(Sampler path_sampler, out LightStart start) {
   start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, PathWeights(0.0, 0.0), false, 0u);
   uvec2 u_light = sample_bits(path_sampler, kDimensionLight);
-  vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the place
+  vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the position
   start.index = pick_light(u_light);
   Light light = fetch_light(start.index);
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) {

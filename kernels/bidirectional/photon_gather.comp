@@ -41,7 +41,7 @@ vec3 light_of(Vertex v, Photon photon) {
   return value * photon.light * photon_weight(photon, forward);
 }
 
-// The list of the k-th of the eight cells that a ball of the radius around the vertex reaches, as place + 1.
+// The list of the k-th of the eight cells that a ball of the radius around the vertex reaches, as index + 1.
 uint list_of(ivec3 lowest, uint k, uint replicate, out ivec3 cell) {
   cell = lowest + ivec3(k & 1u, (k >> 1u) & 1u, k >> 2u);
   return texelFetch(photon_cell_texels, int(cell_index(cell, replicate))).y;
@@ -52,7 +52,7 @@ vec3 gather(Vertex v, uint replicate) {
   uvec4 red = uvec4(0u), green = uvec4(0u), blue = uvec4(0u);
   bool sound = true;
   ivec3 lowest = ivec3(floor(v.surface.position * photon_frame.cells_per_metre - 0.5)), cell;
-  uint cells = 0u, next = 0u; // cells begun; place + 1 of the photon to look at
+  uint cells = 0u, next = 0u; // cells begun; index + 1 of the photon to look at
   do {
     bool found = false;
     Photon photon;

@@ -17,7 +17,7 @@ GPU_CONSTANT uint kBindPhotonCells = 44u;      // storage PhotonCell[], cell_cou
 GPU_CONSTANT uint kBindPhotonCellTexels = 45u; // texels RG32UI
 GPU_CONSTANT uint kBindMergeWeights = 46u;     // storage float[], one a slot: see merging.glsl
 
-// The map in use. Cells are cubes of twice the radius, found by a hash; cells that share a place share its list.
+// The map in use. Cells are cubes of twice the radius, found by a hash; cells that share an index share its list.
 struct PhotonFrame {
   uint path_count; // light paths of each replicate
   uint cell_count; // a power of two
@@ -35,7 +35,7 @@ struct Photon {
   vec3 position;
   uint normal;    // of the geometry, packSnorm4x8
   vec3 direction; // back along the light path, unit length
-  uint link;  // surfaces met, this one included, << kPhotonBounceShift | place of the next photon of the cell + 1; 0 =
+  uint link;  // surfaces met, this one included, << kPhotonBounceShift | index of the next photon of the cell + 1; 0 =
               // none
   vec3 light; // arriving, over the density of the light path and the cosine to the surface
   float others; // PathWeights
@@ -46,7 +46,7 @@ GPU_CONSTANT uint kMostPhotonBounces = 4095u;
 
 struct PhotonCell {
   uint count; // of photons that arrived
-  uint first; // of those kept: place + 1
+  uint first; // of those kept: index + 1
 };
 GPU_CHECK(sizeof(PhotonCell) == 8);
 

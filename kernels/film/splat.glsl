@@ -24,7 +24,7 @@ void add_splat(uint first, float value) {
   }
 }
 
-// `pixel`: place of the SplatPixel.
+// `pixel`: index of the SplatPixel.
 void splat(uint pixel, vec3 light) {
   uint first = pixel * kSplatWords;
   for (uint c = 0u; c < 3u; ++c) add_splat(first + 4u * c, light[c]);

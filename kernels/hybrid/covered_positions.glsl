@@ -1,4 +1,4 @@
-// Places of a pixel that share shading (kHybridMultisample): frames see one each, and the first that sees a triangle
+// Positions of a pixel that share shading (kHybridMultisample): frames see one each, and the first that sees a triangle
 // shades it for all. Include bindings.glsl with BIND_HYBRID, BIND_VISIBILITY and BIND_POSITIONS first.
 #ifndef WAVEPATH_COVERED_POSITIONS_GLSL
 #define WAVEPATH_COVERED_POSITIONS_GLSL

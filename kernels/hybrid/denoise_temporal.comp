@@ -26,8 +26,8 @@ struct History {
   vec2 weights;
 };
 
-// Adds a pixel of the frame before if it shows the same place: its surface, its normal within 25 degrees, and in the
-// plane. `expected`: disparity that the place had then, `tolerance`: what a pixel next to it may differ by.
+// Adds a pixel of the frame before if it shows the same position: its surface, its normal within 25 degrees, and in the
+// plane. `expected`: disparity that the position had then, `tolerance`: what a pixel next to it may differ by.
 void add_tap(inout History history, ivec2 tap, float weight, uvec4 here, vec3 normal, float expected, float tolerance) {
   int index = pixel_index(tap);
   uvec4 there = texelFetch(shapes_before, index);
@@ -49,7 +49,7 @@ History find_history(ivec2 pixel, uvec4 here, vec2 slope) {
   if (!visible) return history;
   vec3 normal = unpack_normal(here.x);
   float expected = to_disparity(position.z);
-  // Taps lie within one pixel of the place, and jitter moves what they sampled by up to one more.
+  // Taps lie within one pixel of the position, and jitter moves what they sampled by up to one more.
   float tolerance = 2.0 * (abs(slope.x) + abs(slope.y)) + kDisparitySlack * expected;
 
   ivec2 corner = ivec2(floor(position.xy));

@@ -8,7 +8,7 @@
 namespace wavepath::gpu {
 #endif
 
-// The view of a frame: the camera as gpu::Frame has it (forward of unit length), and the place within each pixel.
+// The view of a frame: the camera as gpu::Frame has it (forward of unit length), and the position within each pixel.
 struct CameraView {
   vec3 position;
   uint orthographic;

@@ -6,7 +6,7 @@
 #include "kernels/base/camera.glsl"
 #include "kernels/base/sampler.glsl"
 
-// Bit for bit the ray that generate.comp makes where the filter gives the same place in the pixel.
+// Bit for bit the ray that generate.comp makes where the filter gives the same position in the pixel.
 void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {
   camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
 }

@@ -11,7 +11,7 @@ namespace wavepath::gpu {
 // Everything a pixel has is row-major from the top left here.
 GPU_CONSTANT uint kBindHybrid = 32u; // uniform HybridFrame
 GPU_CONSTANT uint kBindVisibility =
-    33u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
+    33u; // texels RG32UI: index in the triangle buffer, instance; kNone where nothing is seen
 GPU_CONSTANT uint kBindGbuffer = 34u; // storage GbufferPixel[]
 GPU_CONSTANT uint kBindSignals =
     35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
@@ -19,17 +19,17 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, share of light they let pass
-// Of kMultisamplePositions frames that see a pixel at a place each and share shading (kHybridMultisample), a picture
-// after the other: what they saw, and kBindSeen and kBindSignals of those that shaded it.
+// kMultisamplePositions frames see a pixel at one position each and share shading (kHybridMultisample). One picture a
+// frame: what it saw, and kBindSeen and kBindSignals of the frame that shaded it.
 GPU_CONSTANT uint kBindPositionIds = 82u;     // storage uvec2[]
 GPU_CONSTANT uint kBindPositionSeen = 83u;    // storage vec4[]
 GPU_CONSTANT uint kBindPositionSignals = 84u; // storage vec4[]
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------
-// One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
+// One frame of a hybrid render: every pixel is seen through the same position of its filter, so that the frame can be
 // rasterized.
 struct HybridFrame {
-  vec2 jitter;         // of that place from the pixel's centre, in pixels, x to the right and y downwards
+  vec2 jitter;         // of that position from the pixel's centre, in pixels, x to the right and y downwards
   float near;          // distance of the near plane along the view axis
   float far;           // of the far plane, orthographic cameras only
   vec3 ambient;        // radiance that stands for all light of more than one bounce

@@ -14,7 +14,7 @@ layout(push_constant) uniform BandBlock { FilterBand band; };
 ivec2 picture_size() { return ivec2(frames.width, frames.height); }
 bool in_picture(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, picture_size())); }
 
-// Place of a pixel in row-major buffers; of the nearest one, for a pixel outside.
+// Index of a pixel in row-major buffers; of the nearest one, for a pixel outside.
 int pixel_index(ivec2 pixel) {
   ivec2 inside = clamp(pixel, ivec2(0), picture_size() - 1);
   return inside.y * int(frames.width) + inside.x;
@@ -33,7 +33,7 @@ float seen_depth(int index) { return uintBitsToFloat(texelFetch(gbuffer_texels, 
 
 vec2 jitter(CameraView view) { return vec2(view.jitter_x, view.jitter_y); }
 
-// The place at which `view` shows what lies at `offset` from the camera, and its depth; not in front of it: depth <= 0.
+// The position at which `view` shows what lies at `offset` from the camera, and its depth; not in front of it: depth <= 0.
 vec3 shown_at(CameraView view, vec3 offset) {
   float depth = dot(offset, view.forward);
   float scale = view.orthographic != 0u ? 1.0 : 1.0 / max(depth, 1e-30);
@@ -44,7 +44,7 @@ vec3 shown_at(CameraView view, vec3 offset) {
 // Where what `pixel` shows in `depth` (0 = infinitely far) lay in the frame before: whole numbers are centres of
 // pixels. z: its depth then.
 //
-// A pixel stands for its whole area, of which each frame samples one place; so jitter is no motion. While the camera
+// A pixel stands for its whole area, of which each frame samples one position; so jitter is no motion. While the camera
 // stands still, history stays in its pixel and is not blurred by resampling.
 vec3 position_before(ivec2 pixel, float depth) {
   bool parallel = frames.now.orthographic != 0u;

@@ -40,14 +40,14 @@ vec2 motion(ivec2 pixel) {
   return position.z > 0.0 || frames.still != 0u ? position.xy - vec2(nearest) : vec2(kFar);
 }
 
-// Catmull-Rom's weights of the four pixels around a place, `part` after the second.
+// Catmull-Rom's weights of the four pixels around a position, `part` after the second.
 vec4 cubic(float part) {
   float p = part;
   return vec4(p * (-0.5 + p * (1.0 - 0.5 * p)), 1.0 + p * p * (-2.5 + 1.5 * p), p * (0.5 + p * (2.0 - 1.5 * p)),
               p * p * (-0.5 + 0.5 * p));
 }
 
-// The history at `place`: sharp where it can be, within the nearest four pixels so that it cannot ring. w: its frames.
+// The history at `position`: sharp where it can be, within the nearest four pixels so that it cannot ring. w: its frames.
 vec4 history_at(vec2 position) {
   ivec2 corner = ivec2(floor(position));
   vec2 part = position - vec2(corner);

@@ -1,4 +1,4 @@
-// Writes what a pixel of a hybrid frame sees: the place of the triangle and its instance. Where a surface can be passed
+// Writes what a pixel of a hybrid frame sees: the index of the triangle and its instance. Where a surface can be passed
 // through, it decides as a traced camera ray of the same pixel and sample does, or as
 // --transparency says.
 #version 460

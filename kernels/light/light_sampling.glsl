@@ -231,7 +231,7 @@ uint first_column, first_cut; // of the row of which column_end and column_cut t
 uint column_end(uint column) { return texelFetch(environment_ends, int(first_column + column)).x; }
 uint column_cut(uint cut) { return texelFetch(environment_ends, int(first_cut + cut)).x; }
 
-// World direction chosen in proportion to the map, and its place there. By inversion, first of the distribution of
+// World direction chosen in proportion to the map, and its position there. By inversion, first of the distribution of
 // rows, then of the columns in the row (pbrt-v4, section A.5.6): near numbers give near directions, so that nets stay
 // nets. Picks from an alias table have 4 to 40 times the squared error at 128 samples.
 vec3 sample_environment_map(uvec2 u, out EnvironmentPoint at) {

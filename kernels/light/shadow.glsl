@@ -40,7 +40,7 @@ uint pane_count;       // panes that the ray has passed
 // bounces left are stopped, so that they find the light that paths of --max-depth find by chance.
 bool is_pane_too_many() { return pane_count + wave.bounce >= frame.max_depth; }
 
-// Whether the ray goes on behind a surface that may be a pane, or a wall, there. `place`: along the ray.
+// Whether the ray goes on behind a surface that may be a pane, or a wall. `distance_`: of the surface, along the ray.
 bool passes_pane(Hit hit, float distance_) {
   Surface surface = fetch_surface(hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), shadow_direction);

@@ -20,7 +20,7 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Adds the place's samples first, first + step, ... to one entry of the film: read once, written once.
+// Adds samples first, first + step, ... of an entry to its sums in the film: read once, written once.
 void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint first, uint step_) {
   if (first >= part.samples) return;
   FilmPixel pixel = fetch_film_pixel(offset);

@@ -1,4 +1,4 @@
-// Starts the paths of a wave: a camera ray for every (pixel, sample), its place in the pixel drawn from the filter.
+// Starts the paths of a wave: a camera ray for every (pixel, sample), its position in the pixel drawn from the filter.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -23,8 +23,8 @@ GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
                                          // reaches the eye without a bounce, fraction of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
-GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): places in the queue of the rays that
-                                         // hit, from the front, and of those that escaped, from the back
+GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): indices in the queue of the rays
+                                         // that hit, from the front, and of those that escaped, from the back
 GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
 // Storage uvec4[], one a slot: samplers that generate keeps (kFeatureAdaptive), and behind all of them the vertex that
 // the path was scattered at (kFeatureLightTree, or kFeaturePanes with triangle lights): position and packed normal,
@@ -98,7 +98,7 @@ struct Queues {
   uint extend_groups[3]; // indirect dispatch sizes; shade uses extend's where rays are not sorted
   uint escape_count;
   uint connect_groups[3];
-  uint first_shadow; // place of the first shadow ray that connect traces (kSpecLightSamples)
+  uint first_shadow; // index of the first shadow ray that connect traces (kSpecLightSamples)
   uint shade_groups[3];
   uint next_ray; // index of the next ray to be traced (trace_queue.glsl)
   uint escape_groups[3];

@@ -24,7 +24,7 @@ void store_radiance(uint slot, PathState path) {
 #endif
 
 #ifdef BIND_RAYS
-// `place`: counted over both queues, one after the other.
+// `index`: counted over both queues, one after the other.
 Ray fetch_ray(uint index) {
   vec4 origin_slot = texelFetch(ray_texels, int(2u * index)),
        direction_t = texelFetch(ray_texels, int(2u * index + 1u));

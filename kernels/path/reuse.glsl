@@ -39,7 +39,7 @@ void store_reuse(uint slot, uint texel, vec3 v, float w) {
   reuse_words[reuse_index(slot, texel)] = floatBitsToUint(vec4(v, w));
 }
 
-// Which pixel of its quad a slot works on, and how many places that has, which are slots beside each other.
+// Which pixel of its quad a slot works on, and how many entries that has, which are slots beside each other.
 uint reuse_quad(uint slot) {
   uint entry = slot_entry(slot);
   return rank_in_quad(entry, frame.width * frame.height) + kQuadPixels * quad_entries(entry, frame.width, frame.height);

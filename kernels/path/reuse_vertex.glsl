@@ -58,7 +58,7 @@ void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   store_reuse(slot, kReuseOther, other);
 }
 
-// By which rays to a surface skip its triangle; Hit::triangle is its place in the tree.
+// By which rays to a surface skip its triangle; Hit::triangle is its index in the tree.
 uint triangle_id(Hit hit) { return floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w); }
 
 // The second vertex, where the path has gathered what it finds of light that y sends by itself. `surface`: where the

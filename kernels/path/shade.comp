@@ -337,7 +337,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
 }
 
-// The same for the ray at this place in the queue, whose path ends if it is no longer finite.
+// The same for the ray at this index in the queue, whose path ends if it is no longer finite.
 void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);

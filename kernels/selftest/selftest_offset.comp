@@ -1,7 +1,7 @@
 // Tests the ray that shade.comp makes at a hit: whether it meets its own triangle again, and how close above the
 // surface a parallel triangle may lie before the ray misses it.
 // Input: in the queue, slot = triangle, origin.xy = weights of v1 and v2, direction along (tangent, bitangent, normal).
-// Output: the ray, in its place in the queue. As hit: its own triangle if the ray meets that; as instance the largest
+// Output: the ray, at its index in the queue. As hit: its own triangle if the ray meets that; as instance the largest
 // gap, in units in the last place of the triangle's largest coordinate and up to wave.sample_count, at which the ray
 // misses a copy of the triangle in front of it; 0 = none.
 #version 460

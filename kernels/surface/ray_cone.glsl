@@ -29,7 +29,7 @@ void open_cone(Hit hit, vec3 offset) {
   footprint = seen_area > 0.0 ? side * side * (uv_area / seen_area) : vec2(0.0);
 }
 
-// Look-ups at other places are exact again.
+// Look-ups at other positions are exact again.
 void close_cone() {
   if (has_mips()) footprint = vec2(0.0);
 }

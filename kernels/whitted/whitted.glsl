@@ -6,8 +6,8 @@
 // light of paths with at most one scattering that is not a mirror's or a smooth interface's; a light with an extent is
 // sampled at one point a ray, so that its shadows are soft. Rough lobes reflect lights alone.
 //
-// Every place of a tree belongs to one lane, and sums what its rays bring into its own path state; gathering adds the
-// places up.
+// Every node of a tree belongs to one lane, and sums what its rays bring into its own path state; gathering adds the
+// nodes up.
 #ifndef WAVEPATH_WHITTED_GLSL
 #define WAVEPATH_WHITTED_GLSL
 
@@ -19,7 +19,7 @@ layout(set = 0, binding = kBindWhitted, std140) uniform WhittedBlock { WhittedFr
 layout(set = 0, binding = kBindWhittedNodes, std430) buffer WhittedNodeBlock { WhittedNode nodes_of_trees[]; };
 
 // First of the random numbers of a ray: two pairs for each shadow ray, one for the choice of a branch. They go by the
-// place in the tree, so that a branch that is cut off changes none of the others.
+// node in the tree, so that a branch that is cut off changes none of the others.
 uint node_dimension(uint path) { return 1u + path * (whitted.shadow_rays + 1u); }
 
 // Adds to a total of 64 bits.

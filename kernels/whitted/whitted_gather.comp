@@ -1,4 +1,4 @@
-// Adds up what all places of a tree have brought, for the kernel that adds samples to the film.
+// Adds up what all nodes of a tree have brought, for the kernel that adds samples to the film.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

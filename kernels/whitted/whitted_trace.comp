@@ -42,7 +42,7 @@ WhittedNode child(Vertex v, WhittedNode node, vec3 local, vec3 weight, bool tran
 
 bool is_worth_following(WhittedNode node) { return max_component(node.weight) > whitted.cutoff; }
 
-// Writes the reflected and refracted rays of a smooth interface to the places that the node may use.
+// Writes the reflected and refracted rays of a smooth interface to the nodes of the tree that this one may use.
 void branch(Vertex v, WhittedNode node, uint index) {
   vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
   if (!kMicrofacets || !(wo.z > 0.0)) return;

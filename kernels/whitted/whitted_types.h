@@ -11,7 +11,7 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindWhitted = 32u;      // uniform WhittedFrame
 GPU_CONSTANT uint kBindWhittedNodes = 33u; // storage WhittedNode[]
 
-// A camera ray's tree has so many places for rays at once. Where it would need more, one of two branches is chosen at
+// A camera ray's tree has so many nodes for rays at once. Where it would need more, one of two branches is chosen at
 // random.
 GPU_CONSTANT uint kTreeWidth = 8u;
 
@@ -26,17 +26,17 @@ GPU_CONSTANT uint kMostTriangleRays = 16u;
 struct WhittedFrame {
   vec3 ambient;       // radiance that stands for all light that reaches a surface after another one
   float cutoff;       // rays of a smaller weight are not followed
-  uint width;         // places of a tree: kTreeWidth, or 1 where one branch is always chosen
+  uint width;         // nodes of a tree: kTreeWidth, or 1 where one branch is always chosen
   uint triangles;     // emissive ones, which come first in the list of lights
   uint triangle_rays; // shadow rays of a surface to them
   uint shadow_rays;   // and to all lights, a sky of one colour included
 };
 GPU_CHECK(sizeof(WhittedFrame) == 32);
 
-// A ray of the tree, and where it has hit. Place p of a sample is entry p * (samples of the wave) + slot.
+// A ray of the tree, and where it has hit. Node p of a sample is entry p * (samples of the wave) + slot.
 struct WhittedNode {
   vec3 origin;
-  uint width; // places that its descendants may take, from its own on; 0 = no ray is here
+  uint width; // nodes that its descendants may take, from its own on; 0 = no ray is here
   vec3 direction;
   uint medium;
   vec3 weight; // share of its radiance that reaches the eye

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderPlan& settings) {
-  // Packing alone tells whether many lights are in many places. A wrong guess, as of a lamp of many triangles, would
+  // Packing alone tells whether many lights are in many locations. A wrong guess, as of a lamp of many triangles, would
   // cost 1.6 of 5.5 user seconds (showcase, 192x108, 12 samples, llvmpipe); waiting costs what packing takes.
   if (settings.lights == gpu::kLightsAuto && walks_light_tree(settings) && features & gpu::kFeatureLightTree) return;
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);

@@ -121,7 +121,7 @@ std::uint32_t frame_flags(const RenderPlan& settings) {
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared;
 }
 
-// By rays, in the pilot or in frames. How enclosed a place is beyond the picture and a radius, which the ambient
+// By rays, in the pilot or in frames. How enclosed a position is beyond the picture and a radius, which the ambient
 // radiance follows from, rays alone can tell; so it is the same for all techniques.
 bool traces_occlusion(const RenderPlan& settings) {
   const std::uint32_t flags = frame_flags(settings);
@@ -377,7 +377,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
   visibility_->render(queue, camera_, prepare);
   if (multisamples()) {
-    frame_.jitter = glm::vec2(0.0f); // places are seen, centres are shaded
+    frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
     queue.submit(prepare, {});
   }
   if (shadows_) shadows_->build(queue, sample);

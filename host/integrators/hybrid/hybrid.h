@@ -1,7 +1,7 @@
 // The hybrid integrators: first hits, rasterized or traced for all pixels alike, shaded by the path tracer's own
 // kernels, and ambient occlusion.
 //
-// A frame is one sample of the film: all pixels are seen through the same place of the pixel filter. Direct light is
+// A frame is one sample of the film: all pixels are seen through the same position of the pixel filter. Direct light is
 // what the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient
 // term: albedo * (1 - metallic) * ambient radiance * unoccluded share (after Zhukov et al. 1998; Landis 2002).
 #pragma once

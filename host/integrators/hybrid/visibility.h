@@ -1,6 +1,6 @@
-// First hits of a frame: for every pixel the place of its triangle and its instance, rasterized, or found by a camera
-// ray through the same place in the pixel. Both see the same but for edges that fall between two places of the grid of
-// 1/256 pixel which rasterizers round corners to.
+// First hits of a frame: for every pixel the indices of its triangle and its instance, rasterized, or found by a
+// camera ray through the same position in the pixel. Both see the same but for edges that fall between two positions of
+// the grid of 1/256 pixel which rasterizers round corners to.
 #pragma once
 
 #include <array>

@@ -41,7 +41,7 @@ struct Tree {
   std::vector<std::uint32_t> leaves; // their nodes
 };
 
-// -1 if all points are in one place.
+// -1 if all points coincide.
 int longest_axis(std::span<const Point> part) {
   glm::vec3 lo = part.front().position, hi = lo;
   for (const Point& p : part) lo = glm::min(lo, p.position), hi = glm::max(hi, p.position);
@@ -50,7 +50,7 @@ int longest_axis(std::span<const Point> part) {
   return size[axis] > 0.0f ? axis : -1;
 }
 
-// Halves a part at the median, ties above it, or below it where there is nothing else; false if all is in one place.
+// Halves a part at the median, ties above it, or below it where there is nothing else; false if all points coincide.
 bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   node.axis = longest_axis(part);
   if (node.axis < 0) return false;

@@ -20,7 +20,7 @@ constexpr std::size_t first_of(std::uint32_t grid) { return ((std::size_t{4} << 
 constexpr std::size_t kMapCells = first_of(kGrids);
 constexpr std::size_t kFinest = first_of(kGrids - 1);
 
-// By x, its bits at the even places of a Morton number.
+// By x, its bits at the even positions of a Morton number.
 constexpr auto kSpread = [] {
   std::array<std::uint16_t, gpu::kGuideSide> table{};
   for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x)

@@ -30,7 +30,7 @@ private:
   Paths paths_; // the samples of a wave, and the kernel that adds them to the film
   BufferSet buffers_;
   KernelNeed need_;
-  std::uint32_t width_ = 1;                       // places of a tree
+  std::uint32_t width_ = 1;                       // nodes of a tree
   std::uint32_t shadow_rays_ = 0;                 // of a surface
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };

@@ -65,11 +65,11 @@ public:
   }
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
-  // Push constants of a wave's kernels: `count` samples from `first_sample` on of pixels at places from `first_entry`
+  // Push constants of a wave's kernels: `count` samples from `first_sample` on of pixels at entries from `first_entry`
   // on. An adaptive render then tells them where in its list these stand instead.
   virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count,
                          std::uint32_t first_sample, std::uint32_t count) const;
-  // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.
+  // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its index among the film's.
   virtual void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) = 0;
   virtual void end_pass(WaveQueue&) {}
 

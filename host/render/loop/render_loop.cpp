@@ -281,7 +281,7 @@ std::uint32_t RenderLoop::sample_capacity() const {
 
 // Pixels of a segment, of which `done` have their samples, that join a wave of `slots` paths so far, with `count`
 // samples each: as many as a wave holds, one at least, or one quad. The only place where waves are cut, never within a
-// quad: segments hold the places of one side by side.
+// quad: segments hold the entries of one side by side.
 std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
                                   std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);

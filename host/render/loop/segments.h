@@ -15,7 +15,7 @@ std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
 // All pixels and error probes of the film.
 std::vector<Segment> all_segments(const FilmTarget& film);
 
-// Sorts the entries of each band by the level of their pixel's run. `places` becomes the list of entries that segments
+// Sorts the entries of each band by the level of their pixel's run. `entries` becomes the list that segments
 // refer to.
 std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
                                     std::vector<std::uint32_t>& entries);

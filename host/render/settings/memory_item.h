@@ -11,7 +11,7 @@ enum class MemoryLocation { device, host, both };
 
 struct MemoryItem {
   std::string_view name;
-  std::uint64_t bytes = 0; // in each of its places
+  std::uint64_t bytes = 0; // in each of its locations
   MemoryLocation location = MemoryLocation::device;
 };
 

@@ -82,8 +82,8 @@ struct RenderSettings {
   std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
   std::uint32_t shadow_bias = 1;            // of kShadowBiasNames
   std::optional<double> shadow_bias_amount; // in texels' width; empty = the kind's own
-  std::uint32_t shadow_taps = 16;           // places that a filter looks at
-  std::uint32_t shadow_pattern = 0;         // of these places: of kShadowPatternNames
+  std::uint32_t shadow_taps = 16;           // positions that a filter looks at
+  std::uint32_t shadow_pattern = 0;         // of these positions: of kShadowPatternNames
   double shadow_blur = 2.0;                 // radius of a filter, in texels
   std::uint32_t shadow_cascades = 4;        // views that share the depths in front of the camera
   std::optional<double> shadow_exponent;    // of exponential maps; empty = the technique's own

@@ -18,7 +18,7 @@ struct FilmBand {
   Buffer film, aovs, splats;                      // may hold more
 
   std::uint32_t entries() const { return pixel_count + probe_count; }
-  // Where the sums of a place of the band lie in it.
+  // Where the sums of an entry of the band lie in it.
   std::uint32_t offset_of(std::uint32_t entry) const {
     const bool is_probe = probe_count > 0 && entry >= picture_pixels;
     return is_probe ? pixel_count + entry - picture_pixels - first_probe : entry - first_pixel;

@@ -22,7 +22,7 @@ struct PixelReplicate {
   auto operator<=>(const PixelReplicate&) const = default;
 };
 
-// First by sample, then by place in tile order: an order that no size of waves and no number of lanes can change.
+// First by sample, then by entry in tile order: an order that no size of waves and no number of lanes can change.
 struct NonfiniteSample {
   std::uint32_t sample = 0;
   PixelReplicate at;
@@ -37,7 +37,7 @@ struct Nonfinite {
 
   std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
 
-  // What the kernels counted in one wave; pixel_at(place) is the PixelReplicate that has a place in the wave.
+  // What the kernels counted in one wave; pixel_at(entry) is the PixelReplicate of an entry of the wave.
   // Returns whether there was anything.
   template <class PixelAt>
   bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {

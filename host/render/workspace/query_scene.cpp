@@ -10,7 +10,7 @@ namespace {
 // Kernels look at these before a ray ends there (TESTED_TRIANGLES of kernels/light/shadow.glsl).
 constexpr std::uint32_t kAsked = gpu::kTriangleAlpha | gpu::kTrianglePane;
 
-// An object of the scene, added: its number among the structures, and its place in `items`.
+// An object of the scene, added: its number among the structures, and its index in `items`.
 struct Added {
   std::uint32_t number = 0, first = 0;
 };

@@ -11,7 +11,7 @@ namespace wavepath {
 
 // `items` stand where kernels have the nodes of our own tree otherwise. For every object: where the triangles of its
 // geometries 0 and 1 begin in `items`; then, by geometry, indices into PackedScene::triangles. `instances` are those of
-// the scene, but for Instance::root, which is the place of the object in `items`.
+// the scene, but for Instance::root, which is the index of the object in `items`.
 struct QueryScene {
   QueryStructures structures;
   std::vector<std::uint32_t> items; // a multiple of four

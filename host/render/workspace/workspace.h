@@ -24,12 +24,12 @@ public:
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
   // afterwards.
   void change(const View& view, const RenderPlan& settings);
-  // Makes room for the film and the list of places. `features`: kFeature bits of all kernels that may run. Sends
+  // Makes room for the film and the list of entries. `features`: kFeature bits of all kernels that may run. Sends
   // `frame` to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderPlan& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();
-  // Adaptive renders: the places of the film (error_probes.h) in the order in which waves visit them. At first that is
+  // Adaptive renders: the entries of the film (error_probes.h) in the order in which waves visit them. At first that is
   // their own.
   void set_entries(std::vector<std::uint32_t> entries);
   // The entry that waves visit after `index` others, and its pixel and replicate.

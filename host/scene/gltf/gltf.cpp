@@ -71,7 +71,7 @@ std::uint32_t add_mesh(Import& import, Mesh mesh) {
   return static_cast<std::uint32_t>(import.scene.meshes.size() - 1);
 }
 
-// A place may need a copy of the mesh of its own.
+// A transform may need a copy of the mesh of its own.
 void require_copy(const Import& import, const Mesh& mesh) {
   const std::uint64_t vertex = 3 * sizeof(glm::vec3) + 2 * sizeof(glm::vec4) + 2 * sizeof(glm::vec2);
   require_memory(import.document.file, "a flattened copy of a mesh",
@@ -79,7 +79,7 @@ void require_copy(const Import& import, const Mesh& mesh) {
                  "use a machine with more memory");
 }
 
-// `mirrors`: what the place would do if its scales were not zero.
+// `mirrors`: what the transform would do if its scales were not zero.
 void place_flat(Import& import, std::uint32_t mesh, const glm::dmat4& transform, bool mirrors) {
   const gltf::FlatTransform flat = gltf::flat_transform(transform, mirrors);
   const glm::dvec3& d = flat.direction;

@@ -20,7 +20,7 @@ using nlohmann::json;
 
 enum class Kind { object, list, string, boolean, number, numbers, small, size, index };
 
-// A path names every place that it fits: "a[].b" is b in each element of a, "a.*" each member of a.
+// A path names every member that it fits: "a[].b" is b in each element of a, "a.*" each member of a.
 struct Rule {
   std::string path;
   Kind kind;

@@ -160,7 +160,7 @@ Copies copies_along(const Footprint& f, int axis, double size, Wrap wrap) {
   return {std::floor((f.lo[axis] - f.reach[axis]) / size), std::floor((f.hi[axis] + f.reach[axis]) / size)};
 }
 
-// A corner's place in a copy; every other copy of a mirrored image is turned round.
+// A corner's position in a copy; every other copy of a mirrored image is turned round.
 double position_in_copy(double texel, double copy, double size, Wrap wrap) {
   const bool turned = wrap == Wrap::mirror && std::fmod(copy, 2.0) != 0.0;
   return turned ? (copy + 1.0) * size - texel : texel - copy * size;

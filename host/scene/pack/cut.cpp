@@ -111,7 +111,7 @@ bool is_huge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, std:
   return false;
 }
 
-// The places as a part's mesh sees them, for a first look at its triangles as they are: most scenes need no other.
+// The positions as a part's mesh sees them, for a first look at its triangles as they are: most scenes need no other.
 // `reach`: square of the longest edge over the distance from which on a triangle may be huge, under the transform.
 struct CutSight {
   std::vector<glm::dvec3> near;

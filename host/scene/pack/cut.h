@@ -34,15 +34,16 @@ struct Cut {
   bool empty() const { return triangles.empty(); }
 };
 
-// A triangle is huge if its longest edge is more than this many times its distance to a place of `near`; its pieces'
+// A triangle is huge if its longest edge is more than this many times its distance to a position of `near`; its pieces'
 // edges are no longer than their distance. Smaller ratios are left alone: at 16 the rounding of hits is below 1e-4 of
 // the distance, and ordinary scenes, seen from within, stay as they are.
 inline constexpr double kHugeRatio = 16.0;
 inline constexpr std::size_t kMostPieces = 1u << 18;
 
-// `near`: places to be fine at, in the space of the parts. Empty if nothing is huge. Whether an edge is split depends
-// on its ends and `near` alone, so that neighbours which share it are split alike; those that are not huge themselves
-// are cut where a neighbour is. Finite triangles with an area are cut alone. The same for any number of threads.
+// `near`: positions to be fine at, in the space of the parts. Empty if nothing is huge. Whether an edge is split
+// depends on its ends and `near` alone, so that neighbours which share it are split alike; those that are not huge
+// themselves are cut where a neighbour is. Finite triangles with an area are cut alone. The same for any number of
+// threads.
 Cut cut_huge(const Scene& scene, std::span<const Part> parts, std::span<const glm::dvec3> near);
 
 } // namespace wavepath

@@ -1,4 +1,5 @@
-// Which places of an object are near enough for its triangles to be huge beside them, and how many pieces a scene gets.
+// Which positions of an object are near enough for its triangles to be huge beside them, and how many pieces a scene
+// gets.
 #pragma once
 
 #include <cstdint>

@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::uint32_t kBlock = 4;   // texels along a side of a block
 constexpr double kFarthest = 1048576; // texels from the origin, where a float's step is an eighth of one
-// Samplers of devices round places and weights to 1/256; kernels round places in floats three times.
+// Samplers of devices round positions and weights to 1/256; kernels round positions in floats three times.
 constexpr double kSamplerMargin = 1.0 / 64.0, kRoundingMargin = 0x1p-21;
 
 std::uint32_t wrap_of(const gpu::Texture& texture, int axis) {
   return texture.flags >> (axis == 0 ? gpu::kTextureWrapUShift : gpu::kTextureWrapVShift) & 3u;
 }
 
-// The texels of an axis that look-ups between two places reach: up to two runs [first, last].
+// The texels of an axis that look-ups between two positions reach: up to two runs [first, last].
 struct Runs {
   std::int64_t first[2], last[2];
   int count;
@@ -63,7 +63,7 @@ T sum_within(const std::vector<T>& sums, std::int64_t width, std::int64_t x0, st
   return (at(x1 + 1, y1 + 1) - at(x0, y1 + 1)) - (at(x1 + 1, y0) - at(x0, y0));
 }
 
-// Of a place, 0 to n: as wrap_coordinate() has it.
+// Of a position, 0 to n: as wrap_coordinate() has it.
 double wrapped(double x, double n, std::uint32_t mode) {
   if (mode == gpu::kWrapClamp) return std::clamp(x, 0.0, n);
   if (mode == gpu::kWrapMirror) {
@@ -73,7 +73,7 @@ double wrapped(double x, double n, std::uint32_t mode) {
   return x - n * std::floor(x / n);
 }
 
-// The texels around a place along an axis, and the weight of the second: neighbours() of the kernels.
+// The texels around a position along an axis, and the weight of the second: neighbours() of the kernels.
 struct Taps {
   std::int64_t first, second;
   double weight;
@@ -81,7 +81,7 @@ struct Taps {
 
 Taps taps_at(double x, std::int64_t n, std::uint32_t mode, bool nearest) {
   if (!nearest && x >= 0.5 &&
-      x < static_cast<double>(n) - 0.5) { // most places, and the same to the bit, without divisions
+      x < static_cast<double>(n) - 0.5) { // most positions, and the same to the bit, without divisions
     const auto first = static_cast<std::int64_t>(x - 0.5);
     return {first, first + 1, x - 0.5 - static_cast<double>(first)};
   }

@@ -18,7 +18,7 @@ struct EmissionMoments {
   double mean = 0.0, rms = 0.0;
 };
 
-// The emission texture of one material, with the factor applied. Places are in texels: texture coordinates times the
+// The emission texture of one material, with the factor applied. Positions are in texels: texture coordinates times the
 // size.
 struct EmissionMap {
   gpu::Texture texture;
@@ -34,7 +34,7 @@ EmissionMap build_emission_map(const PackedScene& packed, const gpu::Material& m
 
 glm::dvec2 emission_uv(const gpu::Texture& texture, const glm::vec4& uvs); // `uvs`: a vertex of packed.vertex_uvs
 
-// False where places are so far out that floats do not tell texels apart.
+// False where positions are so far out that floats do not tell texels apart.
 bool is_near(const EmissionMap& map, const glm::dvec2& uv);
 
 double filtered_emission(const EmissionMap& map, const glm::dvec2& uv);

@@ -165,7 +165,7 @@ std::vector<Coverage> list_coverage(const Scene& scene, std::span<const Part> pa
   return coverage;
 }
 
-// Removes from all three what rays never meet. Returns by remaining triangle its id, its place among all: what hangs on
+// Removes from all three what rays never meet. Returns by remaining triangle its id, its index among all: what hangs on
 // ids does not change. Empty if nothing was removed.
 std::vector<std::uint32_t> leave_out_holes(std::vector<Coverage>& coverage, std::vector<TriangleSource>& sources,
                                            std::vector<bvh::Triangle>& triangles) {

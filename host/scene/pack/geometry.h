@@ -39,7 +39,7 @@ struct Object {
 // packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray through lose
 // kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if
 // there are more items or nodes than traversal can index. `cut`: of the parts. The first piece of a triangle takes its
-// place and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the triangle that a
+// index and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the triangle that a
 // piece was cut from is its fourth word in triangle_vertices.
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
                      bool with_vertices, std::uint64_t times, bvh::Quality quality, PackedScene& packed);

@@ -288,7 +288,7 @@ glm::vec2 octahedral_of(const glm::dvec3& d) {
   return at;
 }
 
-// The largest byte whose place in [lo, hi] is not above `value`, and the smallest that is not below.
+// The largest byte whose position in [lo, hi] is not above `value`, and the smallest that is not below.
 std::uint32_t round_down(float value, float lo, float hi) {
   const float size = hi - lo;
   int byte = size > 0.0f ? std::clamp(static_cast<int>((value - lo) / size * 255.0f) + 1, 0, 255) : 0;

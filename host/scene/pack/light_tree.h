@@ -1,6 +1,6 @@
-// Builds the light tree of kernels/light/light_tree.glsl: a binary tree over lights that have a place, by the surface
-// area orientation heuristic (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
-// Splitting").
+// Builds the light tree of kernels/light/light_tree.glsl: a binary tree over lights that have a location, by the
+// surface area orientation heuristic (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive
+// Tree Splitting").
 #pragma once
 
 #include <cstdint>

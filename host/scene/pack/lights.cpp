@@ -53,7 +53,7 @@ double world_area(const gpu::Triangle& triangle, const gpu::Instance* instance) 
   return 0.5 * glm::length(glm::cross(edges[0], edges[1]));
 }
 
-// Place of the triangle's centre on a Z-curve through the object's box, 2^21 cells an axis.
+// Index of the triangle's centre on a Z-curve through the object's box, 2^21 cells an axis.
 std::uint64_t curve_index(const gpu::Triangle& triangle, const Object& object) {
   const glm::dvec3 lo = object.lo, size = glm::max(glm::dvec3(object.hi) - lo, glm::dvec3(1e-300));
   const glm::dvec3 centre = (glm::dvec3(triangle.v0) + glm::dvec3(triangle.v1) + glm::dvec3(triangle.v2)) / 3.0;
@@ -232,7 +232,7 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
   return triangle_light_bounds(corners, power / (pi * area * (two_sided ? 2.0 : 1.0)), two_sided);
 }
 
-// In how many places the local lights are: as many cubes, a `part` of the scene's radius wide, of equal power would
+// The number of locations of the local lights: as many cubes, a `part` of the scene's radius wide, of equal power would
 // vary as much.
 double count_locations(const std::vector<LightBounds>& lights, double radius, double part) {
   std::unordered_map<std::uint64_t, double> power;

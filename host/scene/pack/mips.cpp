@@ -33,7 +33,7 @@ std::uint64_t words_per_texel(const Image& image) { return image.floats.empty() 
 
 float linear(float encoded) { return static_cast<float>(linear_from_srgb(encoded)); }
 
-// The nearest byte of sRGB: a table of places near it, and where each byte begins.
+// The nearest byte of sRGB: a table of bytes near each value, and where each byte begins.
 std::uint32_t srgb_byte(float value) {
   constexpr std::size_t kSteps = 4096;
   static const auto kBegins = [] {

@@ -79,7 +79,7 @@ struct PackedScene {
 
   std::vector<gpu::Light> lights;         // that next-event estimation samples, the environment included
   std::vector<std::uint32_t> light_parts; // of triangles that are cut: see kernels/light/light_sampling.glsl
-  std::uint32_t local_light_count = 0;    // of those that have a place; they come first
+  std::uint32_t local_light_count = 0;    // of those that have a location; they come first
   // The light tree as kernels/base/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;

@@ -1,4 +1,4 @@
-// What a place of the picture shows, by the tree on the host: the point under the pointer, and the distance to focus
+// What a position of the picture shows, by the tree on the host: the point under the pointer, and the distance to focus
 // on.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace wavepath {
 
-// The first hit of the camera ray through `place`, in world space. `place`: from the picture's top left
+// The first hit of the camera ray through `position`, in world space. `position`: from the picture's top left
 // corner, in pixels; `size`: of the picture. Counts every triangle as a whole, cut-outs in its texture included.
 // `passes_backs`: single-sided triangles are not there from behind.
 std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& pixel,

@@ -40,7 +40,7 @@ std::uint32_t texture_flags(const TextureSlot& slot, bool is_float) {
   return flags;
 }
 
-// Whether they are looked up at the same place, so that texels of theirs are neighbours if they lie so.
+// Whether they are looked up at the same position, so that texels of theirs are neighbours if they lie so.
 bool look_alike(const TextureSlot& a, const TextureSlot& b) {
   return a.uv_set == b.uv_set && a.uv_matrix == b.uv_matrix && a.uv_offset == b.uv_offset;
 }
@@ -202,7 +202,7 @@ ExactTextures count_exact(const TextureTable& table) {
 }
 
 std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> by_image; // by place
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> by_image; // by position
   for (const gpu::Texture& t : textures) {
     const bool is_color = is_sampled(t) && (t.flags & gpu::kTextureSrgb) != 0;
     const std::uint32_t where = is_sampled(t) ? 2 * (t.flags >> gpu::kTextureLayerShift) + is_color + 1 : 0;

@@ -177,7 +177,7 @@ double farthest_depth(const std::vector<glm::dvec2>& outline, double slope) {
   return -(right + left) / (2.0 * slope);
 }
 
-// The place beside the axis from which an eye at `depth` sees as much of the outline to its left as to its right.
+// The position beside the axis from which an eye at `depth` sees as much of the outline to its left as to its right.
 double middle_seen(const std::vector<glm::dvec2>& outline, double depth) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   for (const glm::dvec2& p : outline) lo = std::min(lo, p.x), hi = std::max(hi, p.x);

@@ -23,7 +23,7 @@ constexpr int kProbesAcross = 6, kProbesUp = 3, kDirections = 64;
 // Measured on 66 files: of rooms 0.60 of the probes and more are enclosed, of boxes without a front 0.44 and less, of
 // other objects 0.1 and less.
 constexpr double kEnclosed = 0.9;          // of a probe's rays that meet a surface which faces it
-constexpr double kCovered = 0.7;           // and of a place to stand: under an open roof, at a window
+constexpr double kCovered = 0.7;           // and of a position to stand at: under an open roof, at a window
 constexpr double kBackFacing = 0.1;        // and at most so many that meet a back
 constexpr double kRoomFraction = 0.5;      // of all probes that are enclosed
 constexpr double kRoughRoomFraction = 0.1; // with thin walls merged
@@ -241,7 +241,7 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
   const glm::ivec3 cells(12, 4, 12);
   for (int z = 0; z < cells.z; ++z)
     for (int x = 0; x < cells.x; ++x) {
-      std::optional<double> last_floor; // several starts over one floor are one place
+      std::optional<double> last_floor; // several starts over one floor are one position
       for (int y = 0; y < cells.y; ++y) {
         const glm::dvec3 middle = cell_middle(bounds, {x, y, z}, cells);
         const Sight floor = look(geometry, middle, {0.0, -1.0, 0.0}), ceiling = look(geometry, middle, {0.0, 1.0, 0.0});

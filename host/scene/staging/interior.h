@@ -1,4 +1,4 @@
-// Tells interiors from objects, and finds a place to stand in one.
+// Tells interiors from objects, and finds a position to stand at in one.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace wavepath {
 
-// A place of the camera in an interior, and the point that it looks at.
+// A position of the camera in an interior, and the point that it looks at.
 struct Standpoint {
   glm::dvec3 eye{0.0}, target{0.0, 0.0, -1.0};
-  std::optional<glm::dvec3> lamp; // of an interior that no light from outside reaches: a place under its ceiling
+  std::optional<glm::dvec3> lamp; // of an interior that no light from outside reaches: a position under its ceiling
   double lamp_height = 0.0;       // of that, over the floor
 };
 

@@ -1,5 +1,5 @@
 // What techniques of occlusion in screen space share: the pixel of an invocation, what the G-buffer of the frame shows
-// at a place in the picture, and how a direction in space runs across it. They know no surface but those seen.
+// at a position in the picture, and how a direction in space runs across it. They know no surface but those seen.
 #ifndef WAVEPATH_SCREEN_GLSL
 #define WAVEPATH_SCREEN_GLSL
 
@@ -15,7 +15,7 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Places on the way from a pixel to the edge of what may occlude it, in each direction.
+// Positions on the way from a pixel to the edge of what may occlude it, in each direction.
 const uint kSteps = 16u;
 
 // Where a pixel's point lies, and how it is seen. All in the coordinates of rays.
@@ -60,7 +60,7 @@ Sampler occlusion_sampler(uint index, uint i) {
   return make_sampler(frame.seed, index, hybrid_sample(hybrid.ao_samples, i), frame_total() * hybrid.ao_samples);
 }
 
-// The place in the picture that shows a point, in pixels, and its depth. The inverse of point_at().
+// The position in the picture that shows a point, in pixels, and its depth. The inverse of point_at().
 vec3 shown_at(vec3 position) {
   vec3 q = position - frame.camera_position;
   float depth = dot(q, frame.camera_forward);
@@ -86,7 +86,7 @@ float depth_of(ivec2 pixel) {
   return inside ? gbuffer[uint(pixel.y) * frame.width + uint(pixel.x)].depth : 0.0;
 }
 
-// The surface seen at `place`, relative to the receiver; false where nothing is seen. Between four pixels whose depths
+// The surface seen at `position`, relative to the receiver; false where nothing is seen. Between four pixels whose depths
 // make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes;
 // elsewhere it is the pixel's own point. One surface: depths within 16 widths of a pixel, which is a slope of 86
 // degrees.
@@ -130,7 +130,7 @@ March march_of(Receiver receiver, vec3 direction) {
   return march;
 }
 
-// Of a step, at a random place of its stretch of the way. Stretches grow with their distance, from one pixel on.
+// Of a step, at a random position of its stretch of the way. Stretches grow with their distance, from one pixel on.
 vec2 step_position(March march, Receiver receiver, uint step, float u) {
   float fraction = (float(step) + u) / float(march.steps);
   return receiver.centre + march.direction * (1.0 + (march.length_ - 1.0) * fraction * fraction);

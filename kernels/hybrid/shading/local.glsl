@@ -62,11 +62,11 @@ Paint paint_of(Surface surface, Material material, bool front) {
 #endif
 }
 
-// ---- places where the model is evaluated ----------------------------------------------------------------------------
+// ---- positions where the model is evaluated ----------------------------------------------------------------------------
 
 uint point_count() { return shading.interpolation == kInterpolateGouraud ? 3u : 1u; }
 
-// Barycentric weights of the i-th place on the triangle: its middle, a corner, or the point that is seen.
+// Barycentric weights of the i-th position on the triangle: its middle, a corner, or the point that is seen.
 vec2 point_weights(Hit hit, uint i) {
   if (shading.interpolation == kInterpolateFlat) return vec2(1.0 / 3.0);
   if (shading.interpolation == kInterpolatePhong) return vec2(hit.b1, hit.b2);
@@ -103,7 +103,7 @@ float cue_fraction(float depth) {
   return clamp((shading.cue.y - depth) / (shading.cue.y - shading.cue.x), 0.0, 1.0);
 }
 
-// Diffuse and highlight that a point of the light brings to a place, of white surfaces.
+// Diffuse and highlight that a point of the light brings to a position, of white surfaces.
 mat2x3 lit_point(Ray ray, Hit at, Material material, bool front, vec3 seen_normal, float exponent, uint light,
                  uvec2 u) {
   Surface surface = fetch_surface(at);

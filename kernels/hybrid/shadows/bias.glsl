@@ -26,7 +26,7 @@ void offset_receiver(inout Receiver r) {
   r.depth = view_depth(r.view, r.position);
 }
 
-// Depth of the receiver's own plane where a place in the view shows it.
+// Depth of the receiver's own plane where a position in the view shows it.
 float plane_depth(Receiver r, vec2 position) {
   float depth;
   if (r.view.kind == kViewParaboloid) {
@@ -43,7 +43,7 @@ float plane_depth(Receiver r, vec2 position) {
   return depth > 0.0 ? clamp(depth, r.depth - reach, r.depth + reach) : r.depth;
 }
 
-// The depth up to which a map's surface, seen at a place of the view, is taken for the receiver itself; `reach`: how
+// The depth up to which a map's surface, seen at a position of the view, is taken for the receiver itself; `reach`: how
 // many texels away from the receiver at most the map has sampled it.
 float unshadowed_depth(Receiver r, vec2 position, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;

@@ -1,6 +1,6 @@
 // A box filter of radius ShadowFrame::blur over what a technique makes of depths, first along rows, then along columns.
 // Where depths are looked up between texels with linear weights, and 2 * blur is odd, that is the mean over the square
-// of that radius around the place: what percentage-closer filtering looks at.
+// of that radius around the position: what percentage-closer filtering looks at.
 // Push constant: first_pixel = first texel, pixel_count = how many, sample_count = the view.
 #ifndef WAVEPATH_SHADOW_BLUR_GLSL
 #define WAVEPATH_SHADOW_BLUR_GLSL

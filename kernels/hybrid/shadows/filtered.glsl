@@ -4,7 +4,7 @@
 
 #include "kernels/hybrid/shadows/unit_depth.glsl"
 
-// Between the four texels around the receiver's place.
+// Between the four texels around the receiver's position.
 vec4 filtered_at(Receiver r) {
   vec2 corner = r.map_position - 0.5;
   ivec2 texel = ivec2(floor(corner));
@@ -17,7 +17,7 @@ vec4 filtered_at(Receiver r) {
 }
 
 // The receiver's own, as unit_depth() has it. Wherever it is flat, filtered depths are on average those of its plane at
-// the place itself: a bound from their mean takes no bias for a slope.
+// the position itself: a bound from their mean takes no bias for a slope.
 float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.0)); }
 
 // For bounds that the spread of the receiver's own depths in the filter lowers: in front of them all.

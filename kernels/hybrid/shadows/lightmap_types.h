@@ -16,7 +16,8 @@ GPU_CONSTANT uint kBindLightmapTexels = 98u; // texels RG32UI, row by row: trian
 GPU_CONSTANT uint kBindLightmapLit = 99u;    // texels R32F, source by source: share of its light that arrives
 GPU_CONSTANT uint kBindLightmapLitWords = 100u; // storage float[]: the same memory
 // For every source the first of its points, how many there are (bits of uints), t_max of rays to them, 1 of a sphere;
-// behind all of these the points: a place and 1, or the direction to a sun and 0. A sphere's middle follows its points.
+// behind all of these the points: a position and 1, or the direction to a sun and 0. A sphere's middle follows its
+// points.
 GPU_CONSTANT uint kBindLightmapPoints = 101u; // texels RGBA32F
 
 // The two edges at the corner `apex` of a triangle are the chart's edges at its first texel, or with kChartUpper at its

@@ -14,8 +14,8 @@ GPU_CONSTANT uint kBindShadowLights =
     66u; // texels RG32UI, by light: its first view (kNone = rays are traced), how many
 GPU_CONSTANT uint kBindShadowDepths = 67u;   // texels R32F: depth of the nearest surface, view by view, row by row from
                                              // the top; kFar where there is none
-GPU_CONSTANT uint kBindShadowIds = 68u;      // texels RG32UI: place of that surface's triangle, instance (kMapIds)
-GPU_CONSTANT uint kBindShadowTaps = 69u;     // texels RGBA32F: xy of ShadowFrame::taps places, |x|, |y| <= 1
+GPU_CONSTANT uint kBindShadowIds = 68u;      // texels RG32UI: index of that surface's triangle, instance (kMapIds)
+GPU_CONSTANT uint kBindShadowTaps = 69u;     // texels RGBA32F: xy of ShadowFrame::taps offsets, |x|, |y| <= 1
 GPU_CONSTANT uint kBindShadowFiltered = 70u; // texels RGBA32F: what a technique makes of the depths (moments, ...)
 GPU_CONSTANT uint kBindShadowFilteredWords = 71u; // storage vec4[]: the same memory
 GPU_CONSTANT uint kBindShadowScratch = 72u;       // storage uvec4[]: what filters need in between, or a technique's own
@@ -23,8 +23,8 @@ GPU_CONSTANT uint kBindShadowDepthWords = 73u;    // storage float[]: the same m
 GPU_CONSTANT uint kBindShadowIdWords = 74u;       // storage uvec2[]: the same memory as the ids
 GPU_CONSTANT uint kBindShadowCounts = 75u;        // storage ShadowCounts, of techniques that leave rays to be traced
 
-// How places follow from points: parallel and perspective views by ShadowView::x, y, w; a paraboloid by the direction
-// from the light.
+// How positions follow from points: parallel and perspective views by ShadowView::x, y, w; a paraboloid by the
+// direction from the light.
 GPU_CONSTANT uint kViewParallel = 0u, kViewPerspective = 1u, kViewParaboloid = 2u;
 
 // What a light sees in one direction, size x size texels.

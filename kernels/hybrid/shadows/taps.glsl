@@ -1,4 +1,4 @@
-// Places around one in a map that a filter looks at. Include bindings.glsl with BIND_SHADOW_TAPS, and look_up.glsl,
+// Positions around one in a map that a filter looks at. Include bindings.glsl with BIND_SHADOW_TAPS, and look_up.glsl,
 // first.
 #ifndef WAVEPATH_SHADOW_TAPS_GLSL
 #define WAVEPATH_SHADOW_TAPS_GLSL

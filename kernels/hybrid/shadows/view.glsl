@@ -1,4 +1,4 @@
-// Where points are in a light's view, and which points a place in the view shows. Include bindings.glsl first.
+// Where points are in a light's view, and which points a position in the view shows. Include bindings.glsl first.
 #ifndef WAVEPATH_SHADOW_VIEW_GLSL
 #define WAVEPATH_SHADOW_VIEW_GLSL
 
@@ -62,7 +62,7 @@ float warped_texel(ShadowView v, vec3 p) {
   vec4 h = view_position(v, p);
   vec3 x = (v.x.xyz - h.x / h.w * v.w.xyz) / h.w, y = (v.y.xyz - h.y / h.w * v.w.xyz) / h.w; // gradients
   vec3 n = cross(x, y);
-  vec3 a = cross(y, n) / dot(n, n), b = cross(n, x) / dot(n, n); // to the next place across, and down
+  vec3 a = cross(y, n) / dot(n, n), b = cross(n, x) / dot(n, n); // to the next position across, and down
   float diagonal = sqrt(max(dot(a + b, a + b), dot(a - b, a - b)));
   return 2.0 / float(shadow.size) * max(max(length(a), length(b)), 0.70710678 * diagonal);
 }
@@ -74,14 +74,14 @@ vec3 common_point(vec4 a, vec4 b, vec4 c) {
   return -(a.w * bc + b.w * ca + c.w * ab) / dot(a.xyz, bc);
 }
 
-// The two planes through the light that meet in the ray through a place. Not for paraboloids.
+// The two planes through the light that meet in the ray through a position. Not for paraboloids.
 void planes_of_texel(ShadowView v, vec2 position, out vec4 a, out vec4 b) {
   vec2 at = 2.0 * position / float(shadow.size) - 1.0;
   a = v.x - at.x * v.w;
   b = v.y - at.y * v.w;
 }
 
-// The ray from the light through a place, from the near end on; `direction` of unit length.
+// The ray from the light through a position, from the near end on; `direction` of unit length.
 void ray_of_texel(ShadowView v, vec2 position, out vec3 origin, out vec3 direction) {
   if (v.kind == kViewParaboloid) {
     vec2 at = 2.0 * position / float(shadow.size) - 1.0;

@@ -13,7 +13,7 @@ layout(set = 0, binding = kBindLayerTriangles) uniform usamplerBuffer layer_tria
 layout(location = 0) flat out uint triangle;
 layout(location = 1) flat out uint instance;
 layout(location = 2) flat out uint hidden_sides; // see hidden_sides_of()
-layout(location = 3) flat out uint layer;        // place in the list
+layout(location = 3) flat out uint layer;        // index in the list
 
 void main() {
   uint corner = uint(gl_VertexIndex);

@@ -18,7 +18,7 @@ layout(set = 0, binding = kBindGbuffer, std430) readonly buffer OpaqueBlock { Gb
 layout(location = 0) flat in uint triangle;
 layout(location = 1) flat in uint instance;
 layout(location = 2) flat in uint hidden_sides; // see hidden_sides_of()
-layout(location = 3) flat in uint layer;        // place in the list
+layout(location = 3) flat in uint layer;        // index in the list
 
 struct Fragment {
   uvec2 pixel;

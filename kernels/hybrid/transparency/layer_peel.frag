@@ -1,5 +1,5 @@
 // The nearest layer behind the one that was peeled last (Everitt 2001). Layers are in order by the depth that the test
-// keeps, and of equal depths by their place in the list, so that each of them is peeled once.
+// keeps, and of equal depths by their index in the list, so that each of them is peeled once.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,5 +1,5 @@
 // The nearest layer that covers one of the samples of a pixel (Enderton et al. 2010). A layer covers as many of them as
-// its opacity asks for, rounded at random, in a place in their ring that is its own: samples are stratified, and the
+// its opacity asks for, rounded at random, at an offset of its own in their ring: samples are stratified, and the
 // masks of layers are independent of each other.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,5 @@
 // What is seen through the nearest transmitting surface, from the opaque picture alone: the ray is bent where it enters
-// a body and where it leaves it, whose place the picture of the next surface behind tells (after Wyman 2005); then it
+// a body and where it leaves it, whose position the picture of the next surface behind tells (after Wyman 2005); then it
 // goes on to the depth that the opaque picture has where it arrives. Beyond the picture's rim, and where it is empty,
 // is the environment.
 #version 460
@@ -119,7 +119,7 @@ vec3 refracted(uint first, uint pixel_index) {
   return light + weight * beyond;
 }
 
-// The first pass leaves the place of its layer, in two halves that floats hold exactly.
+// The first pass leaves the index of its layer, in two halves that floats hold exactly.
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;

@@ -1,4 +1,4 @@
-// The pixel filter (--filter), importance-sampled: each frame sees all pixels at another place.
+// The pixel filter (--filter), importance-sampled: each frame sees all pixels at another position.
 #include "host/integrators/hybrid/antialias/kinds.h"
 
 namespace wavepath {

@@ -1,4 +1,4 @@
-// Places on a regular grid in a pixel.
+// Positions on a regular grid in a pixel.
 #pragma once
 
 #include <cstdint>

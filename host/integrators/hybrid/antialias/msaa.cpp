@@ -1,5 +1,5 @@
-// Multisampling (Akeley 1993): visibility at four places of a pixel, shading once a pixel and triangle, at the centre
-// of the pixel, even where the triangle does not cover that.
+// Multisampling (Akeley 1993): visibility at four positions of a pixel, shading once a pixel and triangle, at the
+// centre of the pixel, even where the triangle does not cover that.
 #include "host/integrators/hybrid/antialias/grid.h"
 #include "host/integrators/hybrid/antialias/kinds.h"
 #include "kernels/hybrid/hybrid_types.h"

@@ -1,4 +1,4 @@
-// Supersampling: the mean over a regular grid of places in the pixel.
+// Supersampling: the mean over a regular grid of positions in the pixel.
 #include <cmath>
 
 #include "host/integrators/hybrid/antialias/grid.h"

@@ -16,10 +16,10 @@ namespace wavepath {
 struct AntialiasKind {
   std::string_view name; // value of --antialias
   std::string_view summary;
-  // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random place of the pixel filter.
+  // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random position of the pixel filter.
   glm::vec2 (*position)(std::uint32_t sample, std::uint32_t total) = nullptr;
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
-  bool shares_shading = false;          // frames of kMultisamplePositions places, see kHybridMultisample
+  bool shares_shading = false;          // frames of kMultisamplePositions positions, see kHybridMultisample
   bool over_time = false;               // joins frames to those before
   bool is_biased = true;
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it

@@ -20,7 +20,7 @@ struct Chunk {
 std::vector<Chunk> make_chunks(const PackedScene& scene);
 
 // The draws of all chunks that may be seen in a picture of this size, in their order, neighbours joined. What it leaves
-// out covers no pixel, for any place in the pixel filter.
+// out covers no pixel, for any position in the pixel filter.
 std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
                                 std::uint32_t height);
 

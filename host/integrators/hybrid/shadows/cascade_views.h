@@ -16,7 +16,7 @@ std::vector<double> split_depths(double nearest, double farthest, std::uint32_t 
 std::vector<gpu::ShadowView> cascade_views(const ShadowFit& fit, const glm::dvec3& direction, const View& view,
                                            std::uint32_t parts);
 
-// The part of a parallel view between two places, which run from -1 to 1 across it.
+// The part of a parallel view between two positions, which run from -1 to 1 across it.
 gpu::ShadowView cropped_view(const gpu::ShadowView& view, const glm::dvec2& lo, const glm::dvec2& hi,
                              std::uint32_t size);
 // A view that shows no point.

@@ -11,7 +11,7 @@ namespace {
 constexpr double kGrowth = 0x1p-18, kRowError = 0x1p-20; // of R
 constexpr std::uint32_t kFewestBlocks = 128;             // along a side of a view that is covered whole
 
-// Homogeneous: (x, y) / z is the place in the view, from -1 to 1.
+// Homogeneous: (x, y) / z is the position in the view, from -1 to 1.
 struct Polygon {
   std::array<glm::dvec3, 12> corners; // a triangle, and one more for each of nine planes at most
   std::size_t count = 0;

@@ -25,7 +25,7 @@ inline const gpu::Instance* instance_of(const PackedScene& scene, std::uint32_t 
   return scene.root_is_top ? &scene.instances[index] : nullptr;
 }
 
-// visit(t): every triangle of a draw once, by its place: spatial splits make copies.
+// visit(t): every triangle of a draw once, by its index: spatial splits make copies.
 template <typename Visit>
 void for_each_triangle(const PackedScene& scene, const Draw& draw, const Visit& visit) {
   std::unordered_set<std::uint32_t> known;

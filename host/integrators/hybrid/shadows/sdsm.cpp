@@ -23,7 +23,7 @@ constexpr std::array<std::size_t, kSdsmStageCount> kSdsmOrder = {kSdsmLookUp, kS
 const KernelProgram kSdsmProgram = {kSdsmStages, kSdsmOrder, shadow_layout};
 
 constexpr std::uint32_t kNothingYet[] = {0xffffffffu, 0u}; // least and largest
-constexpr double kMargin = 1e-6;                           // of the usual view: what its places are rounded by
+constexpr double kMargin = 1e-6;                           // of the usual view: what its positions are rounded by
 
 // Of ordered_bits() in kernels/hybrid/visible_point.glsl.
 float float_of(std::uint32_t ordered) {

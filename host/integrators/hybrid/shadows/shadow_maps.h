@@ -45,7 +45,7 @@ struct ShadowMapRecipe {
   bool ids = false;     // maps hold triangles, besides depths
   bool taps = false;    // look-ups take filter taps
   bool counts = false;  // look-ups count what they answer
-  double (*guard)(const RenderPlan& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
+  double (*guard)(const RenderPlan& settings) = nullptr; // texels that look-ups reach beyond their position; null = 1
   // Views of a source; null = usual_views().
   std::vector<gpu::ShadowView> (*views)(const ShadowFit& fit, const ShadowSource& source, const View& view,
                                         const RenderPlan& settings) = nullptr;

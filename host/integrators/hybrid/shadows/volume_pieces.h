@@ -22,7 +22,7 @@ struct VolumePieces {
   std::vector<glm::uvec2> outwards, inwards; // by which way they face
 };
 
-// The casters of a scene, corners at the same place welded.
+// The casters of a scene, corners at the same position welded.
 class VolumeCasters {
 public:
   // `culls_backs`: single-sided triangles cast only where their front faces the light.

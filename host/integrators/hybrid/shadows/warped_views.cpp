@@ -146,7 +146,7 @@ gpu::ShadowView trapezoidal_view(const ShadowFit& fit, const glm::dvec3& directi
   const glm::dvec3 focus = view.position + glm::mix(depths.lo, depths.hi, kFocus) * view.forward;
   const double extent = ground.extent.extent();
   const double until = std::max(glm::dot(ground.along, focus) - ground.extent.lo, kNearestDepth * extent);
-  // The perspective that moves the end of the focus to its place.
+  // The perspective that moves the end of the focus to its position.
   const double slack = (1.0 + kFocusPosition) * extent - 2.0 * until;
   if (slack <= 0.0) return parallel_view(fit, direction); // it has as much as that anyway
   return warped_view(fit, direction, ground.seen_from((1.0 - kFocusPosition) * until * extent / slack, view));

@@ -11,7 +11,7 @@
 namespace wavepath {
 
 struct LayerTriangle {
-  glm::uvec2 placed{0};   // place in PackedScene::triangles, and in PackedScene::instances
+  glm::uvec2 placed{0};   // index in PackedScene::triangles, and in PackedScene::instances
   glm::dvec3 middle{0.0}; // device world
 };
 

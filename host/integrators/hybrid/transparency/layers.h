@@ -53,7 +53,7 @@ private:
   std::vector<LayerTriangle> list_;
   std::array<std::uint32_t, gpu::kSpecCount> constants_;
   Buffer triangles_, unused_;
-  std::vector<Buffer> copies_; // by place in LayerRecipe::bindings
+  std::vector<Buffer> copies_; // by index in LayerRecipe::bindings
   RasterTarget target_;
   BindingSet bindings_;
   RasterPipeline pipeline_;
