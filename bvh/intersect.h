@@ -105,7 +105,7 @@ inline HitPoint locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float 
   if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0}; // not a hit: t > t_error is false
   const float weight = std::clamp((ey * b.x - ex * b.y) / area, 0.0f, 1.0f);
   const float fraction_b = rest != 0 ? v / rest : 0.0f, fraction_c = rest != 0 ? w / rest : 1.0f;
-  // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
+  // From the nearer end, so that a far one adds no error beyond its fraction, and equal depths come out exactly.
   const float base = std::fabs(b.z) < std::fabs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
   HitPoint point{base + weight * (apex.z - base), 0, weight, (1 - weight) * fraction_b};
   if (std::min(apex.z, std::min(b.z, c.z)) > 0) return point; // their signs are exact

@@ -41,7 +41,7 @@ Scene half_plane(float slope, float height, glm::vec3 light = glm::vec3(1.0f)) {
   return scene;
 }
 
-// Of a pixel: the share of a grid of places below the edge.
+// Of a pixel: the fraction of a grid of places below the edge.
 double coverage(int x, int y, double slope, double height, int side) {
   int below = 0;
   for (int i = 0; i < side; ++i)

@@ -157,7 +157,7 @@ TEST_F(BsdfTest, SmoothGlassReflectsAsFresnelSays) {
   }
 }
 
-// The Fresnel share is reflected as it is; the base colour tints the rest.
+// The Fresnel fraction is reflected as it is; the base colour tints the rest.
 TEST_F(BsdfTest, TheBaseColorTintsWhatGlassTransmits) {
   const glm::vec3 tint(0.9f, 0.5f, 0.1f);
   std::vector<Config> smooth, rough;

@@ -98,7 +98,7 @@ Signals fill(const Shot& shot, const std::function<vec4(std::size_t)>& signal) {
   return signals;
 }
 
-// Direct light 1 with a standard deviation of 0.5, the unoccluded share 0 or 1.
+// Direct light 1 with a standard deviation of 0.5, the unoccluded fraction 0 or 1.
 Signals noise(const Shot& shot, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform;

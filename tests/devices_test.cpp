@@ -1,4 +1,4 @@
-// One picture by several devices: the bits of one, whatever the shares, and whoever gets lost.
+// One picture by several devices: the bits of one, whatever the fractions, and whoever gets lost.
 #include <algorithm>
 #include <fstream>
 #include <numeric>

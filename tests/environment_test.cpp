@@ -282,7 +282,7 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   for (const std::size_t dark : {2u, 6u, 10u, 16u, 31u}) EXPECT_EQ(packed.environment[dark].w, 0.0f);
 }
 
-// With MIS dim texels get less than their share, and none gets nothing.
+// With MIS dim texels get less than their fraction, and none gets nothing.
 TEST(EnvironmentLight, LeavesDimTexelsToBsdfSampling) {
   Environment environment;
   environment.radiance = glm::vec3(1.0f);

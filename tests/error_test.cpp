@@ -350,7 +350,7 @@ double scatter_of(const ErrorEstimate& error) {
 }
 
 struct QuadCoverage {
-  double covered = 0.0, covered_before = 0.0; // share of films; as if pixels erred independently
+  double covered = 0.0, covered_before = 0.0; // fraction of films; as if pixels erred independently
   Mean scatter, ratio;                        // ratio: of the squared error estimated and true
 };
 QuadCoverage coverage_of_quads(FilmShape shape, bool alike) {

@@ -228,7 +228,7 @@ TEST_F(LayersTest, FilmsHaveTheirLimits) {
   EXPECT_GT(std::max({coloured.x, coloured.y, coloured.z}) - std::min({coloured.x, coloured.y, coloured.z}), 0.05);
 }
 
-// Diffuse transmission splits the base: its share goes through, coloured.
+// Diffuse transmission splits the base: its fraction goes through, coloured.
 TEST_F(LayersTest, DiffuseTransmissionSplitsTheBase) {
   const Config leaf{.base_color = {0.8f, 0.8f, 0.8f},
                     .specular = 0.0f,

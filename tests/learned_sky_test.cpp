@@ -129,7 +129,7 @@ TEST_F(LearnedSky, PanesBeforeTheFirstVertexTeachNothingOfOtherPictures) {
   EXPECT_TRUE(*again.film == *fresh.film);
 }
 
-// With many lamps besides, whose shares lie before those of the sky.
+// With many lamps besides, whose fractions lie before those of the sky.
 TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
   const RenderPlan whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
@@ -260,7 +260,7 @@ TEST(LearnedSkyCells, AreTrainedByCellsAround) {
   add(8, 102, 201, 4, 1);
   const TrainedSky trained = train_sky_cells(sums);
   EXPECT_EQ(trained.cells, 4u);
-  const auto band = [&](std::uint32_t cell) { // the first one's share: parts 0 to 7
+  const auto band = [&](std::uint32_t cell) { // the first one's fraction: parts 0 to 7
     return trained.ends[std::size_t{cell} * gpu::kSkyCellWords] / 0x1p32;
   };
   const auto part = [&](std::uint32_t cell, std::uint32_t p) {

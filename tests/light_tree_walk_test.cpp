@@ -144,7 +144,7 @@ TEST_F(LightTreeWalk, ProbabilitiesMakeOneWhereNothingIsDark) {
   }
 }
 
-// A net over the integers becomes a net over each light: its share of them is exact, and what is left is even.
+// A net over the integers becomes a net over each light: its fraction of them is exact, and what is left is even.
 TEST_F(LightTreeWalk, KeepsTheNetOfTheSampler) {
   const std::vector<LightBounds> lights = mixed_lights(16, 4);
   const LightTree tree = build_light_tree(lights);
@@ -209,7 +209,7 @@ TEST_F(LightTreeWalk, LeavesNoLightOut) {
   }
 }
 
-// A million picks a light would hit it: what is weak still has its share.
+// A million picks a light would hit it: what is weak still has its fraction.
 TEST_F(LightTreeWalk, ReachesLightsBelowTheResolutionOfOneInteger) {
   std::vector<LightBounds> lights;
   for (int i = 0; i < 60; ++i)

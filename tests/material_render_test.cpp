@@ -154,7 +154,7 @@ TEST_F(MaterialRender, BodiesThatOnlyScatterReturnAllLight) {
   }
 }
 
-// The share of once scattered light that goes on into the forward hemisphere, by Henyey and Greenstein.
+// The fraction of once scattered light that goes on into the forward hemisphere, by Henyey and Greenstein.
 double forward_fraction(double g) {
   return (1.0 - g * g) / (2.0 * g) * (1.0 / (1.0 - g) - 1.0 / std::sqrt(1.0 + g * g));
 }

@@ -40,8 +40,8 @@ MeanPicture mean_picture(RenderPlan settings, const Render& render) {
   return result;
 }
 
-// By the sum of z^2 over all values, and by the mean of the picture, in which a bias cannot hide. `noisy`: least share
-// of the values that are noisy at all; `noise`: most of the picture's mean that chance may account for.
+// By the sum of z^2 over all values, and by the mean of the picture, in which a bias cannot hide. `noisy`: least
+// fraction of the values that are noisy at all; `noise`: most of the picture's mean that chance may account for.
 inline void expect_same_mean(const MeanPicture& a, const MeanPicture& b, double noisy, double noise) {
   double squares = 0.0, judged = 0.0, difference = 0.0, variances = 0.0, total = 0.0;
   for (std::size_t i = 0; i < a.mean.size(); ++i) {

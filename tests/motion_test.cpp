@@ -52,7 +52,7 @@ protected:
   }
 };
 
-// Share of the time, and of the pixel [x, x + 1] x [y, y + 1], for which a disc covers it whose middle moves from
+// Fraction of the time, and of the pixel [x, x + 1] x [y, y + 1], for which a disc covers it whose middle moves from
 // -travel / 2 to travel / 2 along x. Numbers in pixels; a row of the disc leaves a trapezoid.
 double streak(double x, double y, double radius, double travel) {
   constexpr int kSteps = 200;

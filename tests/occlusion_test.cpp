@@ -56,7 +56,7 @@ std::vector<std::vector<glm::vec3>> pit(float depth) {
   return meshes;
 }
 
-// Share of the cosine-weighted hemisphere over the middle of a square that a parallel one of side 1 takes, `depth`
+// Fraction of the cosine-weighted hemisphere over the middle of a square that a parallel one of side 1 takes, `depth`
 // above (the form factor of a parallel rectangle, four times that of its corner).
 double opening(double depth) {
   const double x = 0.5 / depth, r = std::sqrt(1.0 + x * x);

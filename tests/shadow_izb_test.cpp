@@ -57,7 +57,7 @@ TEST_F(IzbTest, SurfacesNextToTheLightCount) {
   for (const std::uint32_t size : {64u, 1024u}) expect_traced(scene, shadow_settings("izb", size));
 }
 
-// What lets a share of the light through takes it from a ray in whichever order lists have it.
+// What lets a fraction of the light through takes it from a ray in whichever order lists have it.
 TEST_F(IzbTest, SurfacesLetLightThroughAsTracedOnesDo) {
   Scene scene = lit_by(spot());
   Material veil = plain_material();

@@ -112,7 +112,7 @@ TEST_F(LightmapTest, ConvergesToTracedShadows) {
   }
 }
 
-// Penumbrae: the share of the lamp's points that a texel sees.
+// Penumbrae: the fraction of the lamp's points that a texel sees.
 TEST_F(LightmapTest, LampsWithAnExtentHavePenumbrae) {
   RenderPlan settings = shadow_settings("lightmap", 256), traced = shadow_settings("traced");
   settings.last_sample = traced.last_sample = 32;
@@ -143,7 +143,7 @@ TEST_F(LightmapTest, PlacedTurnedAndMirroredSurfacesHaveChartsOfTheirOwn) {
   EXPECT_LT(fine, 0.02);
 }
 
-// A veil takes its share of the light, as it does from rays.
+// A veil takes its fraction of the light, as it does from rays.
 TEST_F(LightmapTest, SurfacesLetLightThroughAsTracedOnesDo) {
   Scene scene = lit_by(sun({0.0, -1.0, 0.0}));
   Material veil = plain_material();
@@ -178,7 +178,7 @@ TEST_F(LightmapTest, LightLeaksAcrossEdgesOfCharts) {
   for (const Texel& texel : texels_of(packed(scene), kSize))
     if (glm::length(texel.point - glm::dvec3(5, 0, 0)) < 1.0) side = texel.side;
   ASSERT_GE(side, 3u);
-  const double rim = 1.0 / side; // in shares of the rectangle: a texel, and a little
+  const double rim = 1.0 / side; // in fractions of the rectangle: a texel, and a little
   const std::vector<float> truth = light(scene, shadow_settings("traced")), picture = light(scene, settings);
   EXPECT_EQ(mean(truth), 0.0);
   int leaks = 0;

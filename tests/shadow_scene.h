@@ -191,7 +191,7 @@ protected:
   }
 };
 
-// Share of the pixels that are lit in one picture and dark in the other: falsely lit, falsely dark.
+// Fraction of the pixels that are lit in one picture and dark in the other: falsely lit, falsely dark.
 struct FalseFractions {
   double lit = 0.0, dark = 0.0;
   double total() const { return lit + dark; }

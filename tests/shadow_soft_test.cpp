@@ -174,7 +174,7 @@ TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
 // Seen from the middle, its own surface casts nothing; seen from points on it, it hides the far side.
 TEST_F(SoftTest, SpheresCastSoftShadowsToo) {
   const Scene scene = lit_by_lamp(ball({-0.6f, 2.0f, 0.3f}, 0.35f));
-  // As shares of the light that would arrive without shadows: of 352 facets, each sample takes one, which is noise.
+  // As fractions of the light that would arrive without shadows: of 352 facets, each sample takes one, which is noise.
   const auto fractions = [&](std::string_view name, std::uint32_t samples, std::uint32_t taps) {
     RenderPlan settings = fine(name, taps), bright = fine("map");
     settings.last_sample = bright.last_sample = samples;
@@ -248,7 +248,7 @@ Scene half_plane() {
 
 class EdgeTest : public SoftTest {
 protected:
-  // Shares of the light along the edge's normal, from -0.4 to 0.4 metres.
+  // Fractions of the light along the edge's normal, from -0.4 to 0.4 metres.
   std::vector<float> profile(std::string_view name, std::uint32_t taps) {
     RenderPlan settings = shadow_settings(name, 512);
     settings.width = 160, settings.height = 1;
@@ -279,9 +279,11 @@ TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
 
 // Few points cast few hard shadows, each of which can be told from the next.
 TEST_F(EdgeTest, FewPointsCastBands) {
-  const auto between_bands = [](const std::vector<float>& fractions) { // pixels whose share is no multiple of a quarter
-    return std::ranges::count_if(fractions, [](float s) { return std::abs(4.0f * s - std::round(4.0f * s)) > 0.1f; });
-  };
+  const auto between_bands =
+      [](const std::vector<float>& fractions) { // pixels whose fraction is no multiple of a quarter
+        return std::ranges::count_if(fractions,
+                                     [](float s) { return std::abs(4.0f * s - std::round(4.0f * s)) > 0.1f; });
+      };
   EXPECT_LT(between_bands(profile("average", 4)), 4);
   EXPECT_GT(between_bands(profile("average", 64)), 40);
 }

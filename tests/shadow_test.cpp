@@ -1,5 +1,5 @@
-// Shadow rays and surfaces that let light through: panes of BLEND dim a light by their exact share, whatever the tree,
-// and unlit surfaces neither give light nor take it.
+// Shadow rays and surfaces that let light through: panes of BLEND dim a light by their exact fraction, whatever the
+// tree, and unlit surfaces neither give light nor take it.
 #include <cmath>
 #include <memory>
 #include <string>

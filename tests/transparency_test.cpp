@@ -86,7 +86,7 @@ TEST_F(TransparencyTest, WeightsKnowTransmittanceButNotOrder) {
     ASSERT_NEAR(a[i], b[i], 1e-6f);           // it needs no order
     ASSERT_GT(std::abs(a[i] - exact), 0.03f); // and does not find it
   }
-  // Layers of one colour: only the background's share counts, which is exact.
+  // Layers of one colour: only the background's fraction counts, which is exact.
   const Layer same_low{0.5f, 0.9f, 0.3f}, same_high{1.0f, 0.9f, 0.6f};
   expect_everywhere(stack({same_low, same_high}), "weighted", over(same_high, over(same_low, kBackground)));
 }
@@ -167,7 +167,7 @@ TEST_F(TransparencyTest, ScreenDoorsOfOneOpacityHideEachOther) {
     ASSERT_TRUE(std::abs(value - 0.6f) < 1e-6f || std::abs(value - kBackground) < 1e-6f) << value;
 }
 
-// A sample shows a layer or what is behind it; samples of a layer are a share of all that is off by less than one of
+// A sample shows a layer or what is behind it; samples of a layer are a fraction of all that is off by less than one of
 // them.
 TEST_F(TransparencyTest, StochasticSamplesAreStratified) {
   const Layer layer{1.0f, 1.0f, 0.3f};

@@ -25,7 +25,7 @@ struct BenchSettings {
 
 struct EmbreeRatio {
   double ratio = 0.0, ratio_robust = 0.0; // our rays a second over Embree's, default and robust mode
-  double agreement = 0.0;                 // share of the rays for which robust Embree finds the same
+  double agreement = 0.0;                 // fraction of the rays for which robust Embree finds the same
 };
 
 struct RayRate {

@@ -13,8 +13,8 @@ struct Ceilings {
   double gflops = 0.0;            // multiply-adds count as two
 };
 
-// The share of what the device could do at most, of work that takes so many blocks of up to 64 bytes loaded at random
-// and so many float operations each second: that of the scarcer of the two.
+// The fraction of what the device could do at most, of work that takes so many blocks of up to 64 bytes loaded at
+// random and so many float operations each second: that of the scarcer of the two.
 double roofline_fraction(const Ceilings& ceilings, double loads_per_second, double flops_per_second);
 
 // Random loads go over `working_set` bytes (at least a page); the best of a few measurements counts.

@@ -29,8 +29,8 @@ void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions)
 // The kernels of the product. `replay` and `rays` outlive it.
 Contestant replaying(RayReplay& replay, const RaySets& rays);
 
-// Share of the rays for which both find the same: hits within rounding of each other, or none. Of shadow rays: blocked
-// or not.
+// Fraction of the rays for which both find the same: hits within rounding of each other, or none. Of shadow rays:
+// blocked or not.
 double agreement(const std::vector<float>& ours, const std::vector<float>& theirs);
 double agreement(const std::vector<bool>& ours, const std::vector<bool>& theirs);
 

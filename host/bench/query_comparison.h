@@ -12,7 +12,7 @@ namespace wavepath {
 struct QueryRate {
   double mrays_per_second = 0.0; // 0 = there are no rays of the kind
   double ratio = 0.0;            // our rays a second over those by ray queries
-  double agreement = 0.0;        // share of the rays for which both find the same
+  double agreement = 0.0;        // fraction of the rays for which both find the same
 };
 
 struct QueryComparison {

@@ -14,7 +14,7 @@ namespace wavepath {
 // Nodes of the top-level tree count as well. Alpha is ignored: holes stop rays here.
 struct RayWork {
   bvh::Counters total; // over the rays
-  // Share of the visits and tests of all lanes that are a ray's own, if subgroups take rays in order and each lane
+  // Fraction of the visits and tests of all lanes that are a ray's own, if subgroups take rays in order and each lane
   // waits for the one with the most visits and for the one with the most tests. At most 1, which is also that of no
   // rays.
   double lanes_in_use = 1.0;

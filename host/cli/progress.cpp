@@ -49,7 +49,7 @@ std::string duration_text(double seconds) {
 
 std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width) {
   const double left = seconds_left(progress, time_limit, target_error);
-  // With a time limit or a target error, samples seldom end the render, so the bar shows the share of the time.
+  // With a time limit or a target error, samples seldom end the render, so the bar shows the fraction of the time.
   const double done = progress.seconds + left > 0.0 && std::isfinite(left)
                           ? progress.seconds / (progress.seconds + left)
                           : progress.fraction;

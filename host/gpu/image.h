@@ -49,8 +49,8 @@ enum class Compare { never, less, equal, less_or_equal, greater, not_equal, grea
 enum class Filter { nearest, linear };
 enum class Address { clamp, repeat, border_zero, border_one };
 
-// How a kernel samples an image. With `compare` the kernel declares a shadow sampler, which yields the share of texels
-// of the filter's footprint for which "reference COMPARE depth" holds.
+// How a kernel samples an image. With `compare` the kernel declares a shadow sampler, which yields the fraction of
+// texels of the filter's footprint for which "reference COMPARE depth" holds.
 struct Sampling {
   Filter filter = Filter::nearest;
   Address address = Address::clamp;

@@ -8,7 +8,7 @@
 namespace wavepath {
 
 // Paths for Training::paths of a render that stands alone, neither a part nor to be joined with
-// others: the longer it is, the more, and the smaller a share of it. What is learned from P paths leaves a squared
+// others: the longer it is, the more, and the smaller a fraction of it. What is learned from P paths leaves a squared
 // error in proportion to 1 + a / sqrt(P), more or less, and a render of R paths takes 1 + P / R of its time: the
 // product is least where P grows as R^(2/3), by measurement a little faster. A render that ends by its error is taken
 // to be short, and one that is bounded by time to have the paths that expected_paths() tells.

@@ -95,8 +95,8 @@ private:
     return false;
   }
 
-  // Direct light of an octave's points, and the same light as if nothing were in its way: what shares of it are lit and
-  // dark is counted by.
+  // Direct light of an octave's points, and the same light as if nothing were in its way: what fractions of it are lit
+  // and dark is counted by.
   struct PointLight {
     Picture shadowed, unshadowed;
     ShadowedPicture pair() const { return {shadowed, unshadowed}; }
@@ -171,7 +171,7 @@ private:
     return converge(settings, 0, kOcclusionFraction, kernels, "reference of occlusion");
   }
 
-  // `spp`: 0 = what a share of the budget allows.
+  // `spp`: 0 = what a fraction of the budget allows.
   StudyReference converge(RenderPlan settings, std::uint32_t spp, double fraction, KernelCompiler& kernels,
                           const std::string& what) {
     settings.seed = settings_.render.seed ^ kReferenceSeed;
@@ -182,7 +182,7 @@ private:
 
   std::uint32_t affordable_samples(RenderPlan settings, double fraction, KernelCompiler& kernels,
                                    const std::string& what) {
-    constexpr double kPilotFraction = 1.0 / 32.0; // of the share
+    constexpr double kPilotFraction = 1.0 / 32.0; // of the fraction
     const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
@@ -223,7 +223,7 @@ private:
   }
 
   // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
-  // its last render would not fit into what is left of its share.
+  // its last render would not fit into what is left of its fraction.
   void measure_all(double fraction) {
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);

@@ -30,7 +30,7 @@ public:
   void pan(double right, double down);
   // The distance to the target shrinks by the factor e^amount.
   void dolly(double amount);
-  // Moves eye and target by a share of the scene's radius, along the axes of view.
+  // Moves eye and target by a fraction of the scene's radius, along the axes of view.
   void fly(const glm::dvec3& right_up_forward);
   // Turns towards a point of the world, about which to orbit from now on. False if the eye is there.
   bool focus(const glm::dvec3& point);

@@ -11,7 +11,7 @@ namespace wavepath {
 class Divider {
 public:
   // Takes a left drag that began on the line out of the input, and moves the line to the pointer. `at`: its position,
-  // as a share of the picture's width. `held`: a button is still down.
+  // as a fraction of the picture's width. `held`: a button is still down.
   void take(Input& input, bool held, std::uint32_t width, double& at);
 
 private:

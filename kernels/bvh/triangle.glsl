@@ -70,7 +70,7 @@ HitPoint locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   precise float rest = v + w;
   precise float weight = clamp((edge.y * b.x - edge.x * b.y) / area, 0.0, 1.0);
   float fraction_b = rest != 0.0 ? v / rest : 0.0, fraction_c = rest != 0.0 ? w / rest : 1.0;
-  // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
+  // From the nearer end, so that a far one adds no error beyond its fraction, and equal depths come out exactly.
   precise float base = abs(b.z) < abs(c.z) ? b.z + fraction_c * (c.z - b.z) : c.z + fraction_b * (b.z - c.z);
   precise float t = base + weight * (apex.z - base);
   if (!(abs(area) >= kSmallestNormal)) return HitPoint(0.0, 0.0, 0.0, 0.0);

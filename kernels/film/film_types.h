@@ -53,7 +53,7 @@ struct PathAovs {
   vec3 normal;      // shading normal, world
   float hit;        // 1 = the camera ray hit something
   vec3 position;    // device world
-  float unoccluded; // share of the sky over the surface; hybrid integrators only
+  float unoccluded; // fraction of the sky over the surface; hybrid integrators only
   vec3 emission;    // radiance seen without a bounce
   float roughness;
   vec3 direct; // radiance after one bounce

@@ -18,7 +18,7 @@ layout(set = 0, binding = kFilterSlopes, std430) writeonly buffer SlopeBlock { v
 const uint kMovingLength = 5u;
 const uint kStillLength = 65535u;
 
-// The history found for a pixel, as weighted sums; direct light and unoccluded share may have different ones.
+// The history found for a pixel, as weighted sums; direct light and unoccluded fraction may have different ones.
 struct History {
   vec4 color;
   vec4 moments;

@@ -14,11 +14,11 @@ GPU_CONSTANT uint kBindVisibility =
     33u; // texels RG32UI: index in the triangle buffer, instance; kNone where nothing is seen
 GPU_CONSTANT uint kBindGbuffer = 34u; // storage GbufferPixel[]
 GPU_CONSTANT uint kBindSignals =
-    35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
+    35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded fraction
 GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
-                                     // of what is opaque, share of light they let pass
+                                     // of what is opaque, fraction of light they let pass
 // kMultisamplePositions frames see a pixel at one position each and share shading (kHybridMultisample). One picture a
 // frame: what it saw, and kBindSeen and kBindSignals of the frame that shaded it.
 GPU_CONSTANT uint kBindPositionIds = 82u;     // storage uvec2[]
@@ -39,7 +39,7 @@ struct HybridFrame {
   uint ao_samples;
   uint flags;           // kHybrid bits
   float ao_bias;        // of horizons over the tangent plane, radians
-  float ao_thinness;    // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
+  float ao_thinness;    // fraction by which what is seen behind a body lowers its horizon; 0: bodies have no back
   uint sample_position; // kHybridMultisample: of the frame among kMultisamplePositions
   uint first_position;  // from which on those before it are known
 };

@@ -1,5 +1,5 @@
-// The unoccluded share: the cosine-weighted share of the directions above a surface not blocked within ao_radius.
-// unoccluded share = 1 - that.
+// The unoccluded fraction: the cosine-weighted fraction of the directions above a surface not blocked within ao_radius.
+// unoccluded fraction = 1 - that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

@@ -6,7 +6,7 @@
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/surface/surface.glsl"
 
-// Bayer's matrix of 8x8 (1973): its position in the order in which pixels open, as a share. A position is made of two bits of
+// Bayer's matrix of 8x8 (1973): its position in the order in which pixels open, as a fraction. A position is made of two bits of
 // x and y at a time, the coarsest last.
 float screen_door(uvec2 pixel) {
   uint order = 0u;

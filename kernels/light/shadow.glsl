@@ -1,4 +1,4 @@
-// How much light passes the surfaces along a shadow ray: BLEND by its exact share, MASK by all or nothing, unlit
+// How much light passes the surfaces along a shadow ray: BLEND by its exact fraction, MASK by all or nothing, unlit
 // surfaces by all; thin smooth panes, and walls of bodies of ior 1, by what they transmit straight on, for kernels that
 // define SHADOW_PASSES_PANES and have a Sampler path_sampler; these ask bodies_passed() of walls.glsl besides. Include
 // bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
@@ -89,7 +89,7 @@ bool lets_light_through(Hit hit, float distance_) {
 
 bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // where no walls are passed
 
-// Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels
+// Fraction of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels
 // too.
 vec3 light_passed() {
   vec3 passed = vec3(has(kFeatureAlpha) && shadow_depth > 0u ? fraction_passed(shadow_depth) : 1.0);

@@ -65,7 +65,7 @@ bool is_lambert(Bsdf b) {
   return !kMicrofacets || (b.metallic == 0.0 && b.transmission == 0.0 && (b.specular == 0.0 || b.ior == 1.0));
 }
 
-// Share of light along a direction that gets to the diffuse base, or from it.
+// Fraction of light along a direction that gets to the diffuse base, or from it.
 float base_passes(Bsdf b, Interface surface, float mu) {
   return film_passes(b, surface, mu, interface_transmittance(surface, mu, b.alpha));
 }
@@ -243,7 +243,7 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   return g2 > 0.0;
 }
 
-// Whether u falls into a share of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that
+// Whether u falls into a fraction of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that
 // points of a net that make the same choice still form a net.
 bool take_with_probability(inout float u, float probability) {
   if (probability <= 0.0) return false;

@@ -34,7 +34,7 @@ struct Bsdf {
   Film film;
   vec2 stretched_alpha;        // along the tangent and the bitangent; both alpha where there is no anisotropy
   vec3 diffuse_through;        // albedo of the diffuse base towards the other side
-  float diffuse_transmission;  // share of the diffuse base that scatters there
+  float diffuse_transmission;  // fraction of the diffuse base that scatters there
   bool disperses;              // `ior` is that of one channel
 #endif
 };
@@ -60,7 +60,7 @@ struct Lobes {
   float diffuse_probability; // all lobes together: either 0, or summing to 1
   float facet_probability;
   float coat_probability;
-  float through; // share of the diffuse draws, which serve all wide lobes, that go to the other side
+  float through; // fraction of the diffuse draws, which serve all wide lobes, that go to the other side
   bool delta_reflection;
   bool delta_transmission;
   vec3 multiple, multiple_through; // (1 - albedo along wo) / (pi * mean), coloured, to either side (kLobeMultiple)
@@ -72,7 +72,7 @@ struct Lobes {
 #endif
 };
 
-// Luminance of the shares of light that lobes scatter, from which the chances to draw them follow.
+// Luminance of the fractions of light that lobes scatter, from which the chances to draw them follow.
 struct LobeWeights {
   float coat, facets, reflected, through; // the last two of wide lobes, to either side
 };

@@ -21,7 +21,7 @@ Interface coat_interface() { return Interface(vec3(0.04), 1.0, 1.5, 0.04); }
 
 float coat_fresnel(Coat coat, float c) { return coat.weight * fresnel_exact(c, 1.5); }
 
-// Share of the light along w that gets past the coat.
+// Fraction of the light along w that gets past the coat.
 float coat_passes(Coat coat, vec3 w) {
   float mu = clamp(abs(dot(coat.normal, w)), 0.0, 1.0);
   return 1.0 - coat.weight * (1.0 - interface_transmittance(coat_interface(), mu, coat.alpha));

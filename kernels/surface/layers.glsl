@@ -29,7 +29,7 @@ bool has_rough_cover(Bsdf b) { return (is_coated(b) && b.coat.alpha >= kMinAlpha
 // Whether nothing lies on the diffuse base but the interface.
 bool has_plain_base(Bsdf b) { return !has_wide_layers(b) && (!has_lobe(kLobeIridescence) || b.film.weight == 0.0); }
 
-// Share of the diffuse base that stays on its side.
+// Fraction of the diffuse base that stays on its side.
 float diffuse_kept(Bsdf b) { return has_lobe(kLobeDiffuseTransmission) ? 1.0 - b.diffuse_transmission : 1.0; }
 
 // ---- microfacets, stretched or not ----------------------------------------------------------------------------------
@@ -49,7 +49,7 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
 
 // ---- thin films -----------------------------------------------------------------------------------------------------
 
-// The film's share of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle
+// The film's fraction of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle
 // at which the light leaves, so that both ways have one reflectance.
 vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) {
   if (!has_lobe(kLobeIridescence) || b.film.weight == 0.0) return plain;
@@ -69,7 +69,7 @@ float film_passes(Bsdf b, Interface surface, float mu, float passes) {
 
 void clear_layers(inout Lobes l) { l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0; }
 
-// What the layers pass, and the shares that they scatter themselves. `diffuse`: share of the diffuse base.
+// What the layers pass, and the shares that they scatter themselves. `diffuse`: fraction of the diffuse base.
 void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout LobeWeights weights) {
   if (!kLayers) return;
   if (has_lobe(kLobeDiffuseTransmission)) {

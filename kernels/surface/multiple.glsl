@@ -20,13 +20,13 @@ float facets_lack(uint table, vec3 w, float alpha) { return 1.0 - table_albedo(t
 // Mean of Schlick's curve over the hemisphere, weighed by the cosine.
 vec3 mean_schlick(vec3 f0) { return f0 + (vec3(1.0) - f0) / 21.0; }
 
-// Share of the light lacking that metal returns: geometric series of bounces, each absorbing 1 - mean F.
+// Fraction of the light lacking that metal returns: geometric series of bounces, each absorbing 1 - mean F.
 vec3 metal_returns(vec3 f0, float missing) {
   vec3 mean = mean_schlick(f0);
   return mean * mean * (1.0 - missing) / (1.0 - mean * missing);
 }
 
-// Shares of the light lacking on a side of a body that pass to the other. `average`: of the table of the side.
+// Fractions of the light lacking on a side of a body that pass to the other. `average`: of the table of the side.
 float body_passes(vec4 average, float own_ior, float other_ior) {
   float own = average.x * own_ior * own_ior, other = average.y * other_ior * other_ior;
   return average.z * min(own, other) / max(own, 1e-20);

@@ -200,7 +200,7 @@ vec4 base_color(Material material, vec4 uv, vec4 color) {
   return material.base_color * color * sample_color_or_1(kFeatureBaseColorTextures, material.base_color_texture, uv);
 }
 
-// Share of light that the surface stops: 1 = opaque. MASK decides by its cutoff, BLEND is a probability.
+// Fraction of light that the surface stops: 1 = opaque. MASK decides by its cutoff, BLEND is a probability.
 float opacity(Material material, float alpha) {
   if ((material.flags & kMaterialMask) != 0u) return alpha >= material.alpha_cutoff ? 1.0 : 0.0;
   if ((material.flags & kMaterialBlend) != 0u) return clamp(alpha, 0.0, 1.0);

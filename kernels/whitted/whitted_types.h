@@ -39,10 +39,10 @@ struct WhittedNode {
   uint width; // nodes that its descendants may take, from its own on; 0 = no ray is here
   vec3 direction;
   uint medium;
-  vec3 weight; // share of its radiance that reaches the eye
+  vec3 weight; // fraction of its radiance that reaches the eye
   uint path;   // names the way of reflections and refractions that led here
   Hit hit;
-  vec3 hit_weight; // share of what the surface hit sends towards the origin that reaches the eye
+  vec3 hit_weight; // fraction of what the surface hit sends towards the origin that reaches the eye
   uint hit_medium; // that the ray arrived in
   vec3 arrival;    // direction of the ray that hit
   uint hit_path;

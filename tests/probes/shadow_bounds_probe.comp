@@ -1,4 +1,4 @@
-// The share of a list of depths that is not below another depth, as moments of the list bound it.
+// The fraction of a list of depths that is not below another depth, as moments of the list bound it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernels/base/gpu.h"

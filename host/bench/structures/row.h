@@ -15,7 +15,7 @@ struct StructureRow {
   // By kind: camera, bounce, shadow rays; 0 = there are none.
   std::array<double, 3> mrays_per_second{};
   std::array<double, 3> visits{}, tests{}; // a ray: inner nodes or cells, and triangles
-  std::array<double, 3> agreement{};       // share of the rays for which it finds what the first row finds
+  std::array<double, 3> agreement{};       // fraction of the rays for which it finds what the first row finds
 };
 
 } // namespace wavepath

@@ -17,8 +17,8 @@ namespace wavepath {
 class Denoiser {
 public:
   // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() will find. `signals`: vec4, likewise; the
-  // direct light in xyz, the unoccluded share in w. `wanted`: kHybridLights, kHybridAmbient or both; the other passes
-  // through. Both buffers outlive the denoiser.
+  // direct light in xyz, the unoccluded fraction in w. `wanted`: kHybridLights, kHybridAmbient or both; the other
+  // passes through. Both buffers outlive the denoiser.
   Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& signals,
            std::uint32_t wanted);
   Denoiser(Denoiser&&) = delete;

@@ -3,7 +3,7 @@
 //
 // A frame is one sample of the film: all pixels are seen through the same position of the pixel filter. Direct light is
 // what the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient
-// term: albedo * (1 - metallic) * ambient radiance * unoccluded share (after Zhukov et al. 1998; Landis 2002).
+// term: albedo * (1 - metallic) * ambient radiance * unoccluded fraction (after Zhukov et al. 1998; Landis 2002).
 #pragma once
 
 #include <cstdint>

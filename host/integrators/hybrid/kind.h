@@ -8,7 +8,7 @@ namespace wavepath {
 // First hits, rasterized or traced, traced direct light, and an ambient term, dimmed by traced ambient occlusion, for
 // all further bounces.
 extern const IntegratorKind kHybrid;
-// That occlusion alone, as a picture of the unoccluded share.
+// That occlusion alone, as a picture of the unoccluded fraction.
 extern const IntegratorKind kAo;
 
 } // namespace wavepath

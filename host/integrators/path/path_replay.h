@@ -45,7 +45,7 @@ public:
   PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
              KernelCompiler& kernels);
 
-  // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
+  // The path has the bits that it has in a render with the same settings, if these have the fractions of lights that it
   // learned (Training::found).
   // `replicate`: 1 is the second one of a probed pixel; throws Error if the pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate = 0);

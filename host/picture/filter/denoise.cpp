@@ -134,7 +134,7 @@ float likeness(const SurfaceGuide& a, const SurfaceGuide& b, glm::vec2 offset) {
   return falloff(kNormalScale * turned + 0.5f * off);
 }
 
-// Every pixel hands all of its light out, in proportion to likeness and `shares`: the sum stays, to within rounding.
+// Every pixel hands all of its light out, in proportion to likeness and `fractions`: the sum stays, to within rounding.
 void spread(const Layers& layers, const std::vector<vec3>& fractions, std::vector<vec3>& light, int step) {
   const auto each_tap = [&](std::size_t pixel, auto body) {
     each_around(layers.picture, pixel, 1, step, [&](std::size_t other, int x, int y) {

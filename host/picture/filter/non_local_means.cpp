@@ -15,7 +15,7 @@ constexpr int kReach = 10; // pixels are compared with those of a window of 21 x
 constexpr int kPatch = 3;  // by their surroundings of 7 x 7
 // Weight of the variance in the scale of distances: a little less than the 0.45 squared of Rousselle et al. 2012.
 constexpr float kVarianceScale = 0.1f;
-// Squared, what share of its value a pixel may differ by and count as alike: below what is seen.
+// Squared, what fraction of its value a pixel may differ by and count as alike: below what is seen.
 constexpr float kUnseen = 1e-5f;
 constexpr float kBlack = 1e-10f;
 

@@ -11,10 +11,11 @@
 namespace wavepath {
 namespace {
 
-// Shares of a few samples are whole fractions but for rounding, which must not decide: no such fraction is near these.
+// Fractions of a few samples are whole fractions but for rounding, which must not decide: no such fraction is near
+// these.
 constexpr double kFalse = 0.2503; // of the light without shadows
 constexpr double kHalf = 0.4997;
-constexpr double kPartly = 0.1; // from this share of the light on, up to 1 less it
+constexpr double kPartly = 0.1; // from this fraction of the light on, up to 1 less it
 constexpr double kDark = 1e-3;  // of the typical light: what has less could not be lit
 constexpr double kLeast = 0.1;  // of light, in denominators
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -84,7 +85,7 @@ std::vector<double> squared_distances(const std::vector<bool>& set, std::size_t 
   return distance;
 }
 
-// Share of the light that arrives, by pixel; below 0 where none could.
+// Fraction of the light that arrives, by pixel; below 0 where none could.
 using Fractions = std::vector<double>;
 
 Fractions lit_fractions(const ShadowedPicture& picture) {

@@ -9,12 +9,12 @@ namespace wavepath {
 
 struct ShadowScore {
   // Error of direct light, over the same pixels: the root mean square of (s - t) l / sqrt((t l)^2 + (0.1 max(l, m))^2),
-  // where s and t are the shares of light that arrive, l is the true light without shadows, summed over R, G and B, and
-  // m its median where there is any. The root of relMSE (see metrics.h) where light is even and 1; but brighter lamps
-  // change nothing, and a pixel next to a lamp weighs no more than any other.
+  // where s and t are the fractions of light that arrive, l is the true light without shadows, summed over R, G and B,
+  // and m its median where there is any. The root of relMSE (see metrics.h) where light is even and 1; but brighter
+  // lamps change nothing, and a pixel next to a lamp weighs no more than any other.
   double relative_rms = 0.0;
-  // Shares of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would be
-  // without shadows.
+  // Fractions of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would
+  // be without shadows.
   double falsely_lit = 0.0, falsely_dark = 0.0;
   // Pixels, on average over the picture's edges of shadows: to the nearest edge of the truth, edges being where half of
   // the light arrives. Empty where one of the two has no edge.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kMostPilotSamples = 32; // of a pixel of it
 constexpr std::uint32_t kPilotFraction = 32;    // of the render's paths: one in so many
-// A pilot misses what is rare: no run counts as quieter than this share of the average.
+// A pilot misses what is rare: no run counts as quieter than this fraction of the average.
 constexpr double kQuietest = 0.03;
 // Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
 // (StanfordDragon under a map, llvmpipe).

@@ -32,7 +32,7 @@ struct SampleDistribution {
   double cost = 1.0;
 };
 
-// Shares out samples in a picture of that size such that pixels get as many as without levels, or a tenth
+// Distributes samples over a picture of that size such that pixels get as many as without levels, or a tenth
 // fewer if that serves better; where few runs hold the noise, powers of two may leave a quarter. No run has a level
 // below `lowest`.
 SampleDistribution distribute_samples(const Film& pilot, std::uint32_t width, std::uint32_t height,

@@ -36,7 +36,7 @@ ErrorEstimate unknown_error() {
 
 bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cursor_.sample == settings_.last_sample; }
 
-// Where estimates may be skipped: coarse pictures in a window, and those that would take more than their share.
+// Where estimates may be skipped: coarse pictures in a window, and those that would take more than their fraction.
 bool RenderLoop::pays() const {
   if (policy_.estimates != Estimates::fraction) return policy_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;

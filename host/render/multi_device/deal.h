@@ -7,8 +7,8 @@
 
 namespace wavepath {
 
-// `count` samples in shares proportional to `speeds` (samples a second, of which one at least is positive), by largest
-// remainders: shares add up to `count`.
+// Counts of samples proportional to `speeds` (samples a second, of which one at least is positive), by largest
+// remainders: they add up to `count`.
 std::vector<std::uint32_t> deal(std::uint32_t count, std::span<const double> speeds);
 
 } // namespace wavepath

@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// Of the pictures as they are. Its shares are without noise where all three hold the same samples.
+// Of the pictures as they are. Its fractions are without noise where all three hold the same samples.
 struct ShadowVerdict {
   std::optional<ShadowScore> score; // empty where the scene has no light that a map covers
   Picture map;                      // falsely lit in orange, falsely dark in blue (false_shadow_map())
@@ -50,7 +50,7 @@ private:
   std::unique_ptr<Progressive> truth_, light_; // no light where no map covers any
 };
 
-// The column from which on a picture split at a share of its width shows the other render.
+// The column from which on a picture split at a fraction of its width shows the other render.
 std::uint32_t split_column(double at, std::uint32_t width);
 // `left` up to that column and `right` from there on, in the channels that both have. Both have one size.
 Picture split_picture(Picture left, const Picture& right, double at);

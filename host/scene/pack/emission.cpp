@@ -20,7 +20,7 @@ constexpr double kFewTexels = 4.0;             // along a side: such parts are i
 constexpr double kSmallestSide = 0.125;        // texels: of parts that are not cut
 constexpr std::uint32_t kMostDepth = 12;       // 4096 cells along a side
 constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 1 MiB
-// A part is cut if its variance costs more than this share of the light of its material.
+// A part is cut if its variance costs more than this fraction of the light of its material.
 constexpr double kWorthCutting = 0x1p-17;
 
 // A part of a triangle, by what its corners look up.
@@ -145,8 +145,8 @@ PartLight light_of(const EmissionMap& map, const PartArea& part) {
 
 class Cutter {
 public:
-  // `worth`: excess of density times the part's share of the triangle. `count`: of the parts of all triangles; no part
-  // is cut once they are too many.
+  // `worth`: excess of density times the part's fraction of the triangle. `count`: of the parts of all triangles; no
+  // part is cut once they are too many.
   Cutter(const EmissionMap& map, double worth, std::atomic<std::uint64_t>& count)
       : map_(map), worth_(worth), count_(count) {}
 

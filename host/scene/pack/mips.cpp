@@ -77,8 +77,8 @@ Mean read_mean(const Image& image, MipKind kind, std::uint32_t x, std::uint32_t 
   return {glm::vec3(texel) * weight, weight, texel.a};
 }
 
-// The texels of a level that one of the next smaller level covers along an axis, and their shares of it: two, or three
-// where the size is odd, the outer ones in part, so that the mean of the image stays what it is.
+// The texels of a level that one of the next smaller level covers along an axis, and their fractions of it: two, or
+// three where the size is odd, the outer ones in part, so that the mean of the image stays what it is.
 struct Cover {
   std::uint32_t first = 0, count = 0;
   std::array<float, 3> fractions{};

@@ -42,7 +42,7 @@ glm::dvec3 direction_of(double azimuth, double elevation) {
   return {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
 }
 
-// Share of the box's radiance in direction `d`.
+// Fraction of the box's radiance in direction `d`.
 double shine(const SoftBox& box, const glm::dvec3& d) {
   const glm::dvec3 middle = direction_of(box.azimuth, box.elevation);
   const double ahead = glm::dot(d, middle);

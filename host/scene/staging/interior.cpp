@@ -154,7 +154,7 @@ glm::dvec3 cell_middle(const Bounds& bounds, const glm::ivec3& cell, const glm::
   return bounds.lo + (bounds.hi - bounds.lo) * ((glm::dvec3(cell) + 0.5) / glm::dvec3(cells));
 }
 
-// The share of the probes that are enclosed.
+// The fraction of the probes that are enclosed.
 double enclosed_fraction(const Geometry& geometry, const Bounds& bounds) {
   const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
   int enclosed = 0;

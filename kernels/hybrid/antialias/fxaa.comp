@@ -7,7 +7,7 @@
 
 const float kContrast = 0.125;    // of the brightest neighbour, from which on there is an edge
 const float kDarkest = 0.0625;    // contrast below which none is seen
-const float kSubpixel = 0.75;     // share of the blur that takes out single pixels
+const float kSubpixel = 0.75;     // fraction of the blur that takes out single pixels
 const int kFarthest = 24;         // pixels along the edge to either end
 
 // Pixels from `pixel` to the end of the edge along `step`; `across` leads to the neighbour across it. `change`: how far
@@ -21,7 +21,7 @@ int end_of_edge(ivec2 pixel, ivec2 step, ivec2 across, float middle, float thres
   return i;
 }
 
-// The share of the neighbour across the edge, which `across` leads to.
+// The fraction of the neighbour across the edge, which `across` leads to.
 float fraction_of_neighbour(ivec2 pixel, float centre, float smallest, float largest, vec4 sides, out ivec2 across) {
   float n = sides.x, s = sides.y, w = sides.z, e = sides.w;
   float nw = luma_at(pixel + ivec2(-1, -1)), ne = luma_at(pixel + ivec2(1, -1));

@@ -25,7 +25,7 @@ float area(float height, float length_, float from) {
   return height * (to - from) * (1.0 - 0.5 * (from + to) / length_);
 }
 
-// The edge on the side `back` of `pixel`: x: share of `pixel` that what lies beyond covers, y: the other way round.
+// The edge on the side `back` of `pixel`: x: fraction of `pixel` that what lies beyond covers, y: the other way round.
 vec2 fractions(ivec2 pixel, ivec2 back) {
   uint which = back.y != 0 ? kEdgeAbove : kEdgeLeft, crossing = back.y != 0 ? kEdgeLeft : kEdgeAbove;
   if (!has_edge(pixel, which)) return vec2(0.0);

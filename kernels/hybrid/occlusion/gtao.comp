@@ -6,7 +6,7 @@
 
 #include "kernels/hybrid/occlusion/screen.glsl"
 
-// From this share of the radius on what is seen counts less, down to nothing.
+// From this fraction of the radius on what is seen counts less, down to nothing.
 const float kFullReach = 0.8;
 
 // Cosine of the angle between the direction to the eye and the horizon towards `direction`; at least `lowest`, that of

@@ -1,4 +1,4 @@
-// Occlusion as the share of a ball around the point that lies behind what the depth buffer shows (Mittring 2007,
+// Occlusion as the fraction of a ball around the point that lies behind what the depth buffer shows (Mittring 2007,
 // "Finding Next Gen: CryEngine 2"). The ball is whole: half of it lies in the surface itself, so that a plane is 0.5,
 // and an edge that sticks out is brighter than the plane.
 #version 460

@@ -97,7 +97,7 @@ float attenuation(LightSample light, vec3 from) {
   return d2 / (shading.attenuation.x + shading.attenuation.y * sqrt(d2) + shading.attenuation.z * d2);
 }
 
-// Share of the surface that depth leaves.
+// Fraction of the surface that depth leaves.
 float cue_fraction(float depth) {
   if ((shading.flags & kShadingCues) == 0u) return 1.0;
   return clamp((shading.cue.y - depth) / (shading.cue.y - shading.cue.x), 0.0, 1.0);

@@ -1,16 +1,16 @@
-// What is averaged of a distribution of depths, and the share of it that is not below some depth as far as the averages
+// What is averaged of a distribution of depths, and the fraction of it that is not below some depth as far as the averages
 // tell: bounds. All depths here run from -1, the near end of a view, to 1, its far end.
 #ifndef WAVEPATH_SHADOW_BOUNDS_GLSL
 #define WAVEPATH_SHADOW_BOUNDS_GLSL
 
-// Smallest variance (Donnelly and Lauritzen 2006), as a share of the second moment: what rounding of filtered moments
+// Smallest variance (Donnelly and Lauritzen 2006), as a fraction of the second moment: what rounding of filtered moments
 // may take away from it.
 const float kLeastVariance = 1e-6;
 const float kMomentBias = 3e-6, kMomentBias16 = 6e-5; // towards a distribution that no rounding takes out of reach
 
 vec4 variance_moments(float depth) { return vec4(depth, depth * depth, 0.0, 0.0); }
 
-// Cantelli's inequality, the one-tailed form of Chebyshev's: at most this share is at `depth` or beyond it.
+// Cantelli's inequality, the one-tailed form of Chebyshev's: at most this fraction is at `depth` or beyond it.
 float chebyshev(vec2 moments, float depth) {
   float away = depth - moments.x;
   if (!(away > 0.0)) return 1.0;
@@ -46,7 +46,7 @@ vec4 four_moments(float depth) {
   return vec4(depth, square, square * depth, square * square);
 }
 
-// Share of the distribution that is below `depth` at the least, from four moments (Peters and Klein 2015, Hamburger's
+// Fraction of the distribution that is below `depth` at the least, from four moments (Peters and Klein 2015, Hamburger's
 // moment problem). Of all distributions with these moments, the one with a part at `depth` and two others has it.
 float hamburger(vec4 moments, float depth, float bias) {
   vec4 b = mix(moments, vec4(0.0, 0.375, 0.0, 0.375), bias);

@@ -13,7 +13,7 @@ GPU_CONSTANT uint kBindLightmapFirst = 96u;  // texels R32UI, by instance
 GPU_CONSTANT uint kBindLightmapCharts = 97u; // texels RG32UI: x | y << 16 of the chart's first texel (kNone: none), its
                                              // side | corner << kChartApexShift | bits
 GPU_CONSTANT uint kBindLightmapTexels = 98u; // texels RG32UI, row by row: triangle (kNone: none), instance
-GPU_CONSTANT uint kBindLightmapLit = 99u;    // texels R32F, source by source: share of its light that arrives
+GPU_CONSTANT uint kBindLightmapLit = 99u;    // texels R32F, source by source: fraction of its light that arrives
 GPU_CONSTANT uint kBindLightmapLitWords = 100u; // storage float[]: the same memory
 // For every source the first of its points, how many there are (bits of uints), t_max of rays to them, 1 of a sphere;
 // behind all of these the points: a position and 1, or the direction to a sun and 0. A sphere's middle follows its

@@ -1,4 +1,4 @@
-// Answers the shadow rays of a frame that go to lights with views: the path gains the share of the light that
+// Answers the shadow rays of a frame that go to lights with views: the path gains the fraction of the light that
 // lit_fraction() tells, and nothing is left for the ray to bring. A kernel defines lit_fraction() after this.
 #ifndef WAVEPATH_LOOK_UP_GLSL
 #define WAVEPATH_LOOK_UP_GLSL

@@ -1,5 +1,5 @@
 // The mean of hard shadows from points spread over a lamp: as a lamp of that many points would cast them, each as
-// bright on a matte surface as its share of the lamp.
+// bright on a matte surface as its fraction of the lamp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -11,7 +11,7 @@
 #include "kernels/hybrid/shadows/bounds.glsl"
 #include "kernels/hybrid/shadows/filtered.glsl"
 
-const float kDoubt = 0.02; // a share of light, or of shadow, that counts as none
+const float kDoubt = 0.02; // a fraction of light, or of shadow, that counts as none
 
 float lit_fraction(Receiver r) {
   offset_receiver(r);

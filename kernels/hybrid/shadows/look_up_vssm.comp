@@ -13,7 +13,7 @@
 
 const float kHalfSide = 0.8862269; // of the square that has the area of a disc of radius 1
 
-// A box around the receiver: the share of it that leaves the receiver lit; sum over what does not, of depth and of
+// A box around the receiver: the fraction of it that leaves the receiver lit; sum over what does not, of depth and of
 // weight.
 struct Shade {
   float lit, depth, weight;

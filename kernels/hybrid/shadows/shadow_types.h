@@ -57,7 +57,7 @@ struct ShadowFrame {
   uint size;      // texels along a side of a view
   uint bias_kind; // kBias...
   float bias;     // amount, in texels' width
-  float ambient;  // share of a light that reaches what is in its shadow
+  float ambient;  // fraction of a light that reaches what is in its shadow
   uint taps;
   uint pattern;   // kPattern...
   float blur;     // radius of a filter, in texels

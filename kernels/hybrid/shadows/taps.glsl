@@ -19,7 +19,7 @@ vec2 tap_offset(uint i, vec2 rotation) {
   return vec2(rotation.x * tap.x - rotation.y * tap.y, rotation.y * tap.x + rotation.x * tap.y);
 }
 
-// The share of the taps within a radius, in texels, at which a map leaves the receiver lit.
+// The fraction of the taps within a radius, in texels, at which a map leaves the receiver lit.
 float lit_taps(Receiver r, float radius) {
   vec2 rotation = tap_rotation(r);
   uint lit = 0u;

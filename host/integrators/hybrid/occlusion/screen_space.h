@@ -26,7 +26,7 @@ public:
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); } // seconds that compiling took
 
-  // Submits what turns the G-buffer of the frame into the unoccluded share, the w of its signals.
+  // Submits what turns the G-buffer of the frame into the unoccluded fraction, the w of its signals.
   void submit(WaveQueue& queue);
 
   FrameCost cost() const { return times_.cost(); }

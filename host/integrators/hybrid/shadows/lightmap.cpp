@@ -1,4 +1,4 @@
-// Lightmaps: which share of each light arrives, baked by rays for texels spread over all surfaces before the first
+// Lightmaps: which fraction of each light arrives, baked by rays for texels spread over all surfaces before the first
 // frame, as games have baked light since id Software's Quake (1996). Frames look up what does not move.
 #include <array>
 #include <bit>

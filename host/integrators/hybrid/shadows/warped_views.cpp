@@ -11,7 +11,7 @@ constexpr double kParallel = 1e-3; // sine of the angle between light and camera
 constexpr double kNearestDepth =
     0.01;                          // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
 constexpr double kFlattest = 0.01; // ratio of least and largest w up to which a perspective is taken
-constexpr double kFocus = 0.25;    // share of the depths that a trapezoid gives most of the map to,
+constexpr double kFocus = 0.25;    // fraction of the depths that a trapezoid gives most of the map to,
 constexpr double kFocusPosition = 0.6; // which ends there, between -1 and 1
 
 struct Range {

@@ -14,7 +14,7 @@ namespace wavepath {
 inline bool is_blended(const gpu::Material& material) { return material.flags & gpu::kMaterialBlend; }
 
 // What draws the triangles of layers, BLEND ones unless it says otherwise, that lie in front of what is opaque into a
-// picture of the layers alone: their light, and the share of the light behind them that they let pass.
+// picture of the layers alone: their light, and the fraction of the light behind them that they let pass.
 struct LayerRecipe {
   RasterCode code; // layer.vert, and a fragment shader
   std::span<const AttachmentInfo> attachments;
