@@ -33,7 +33,8 @@ constexpr std::uint32_t kBlockSize = 16384;    // in blocks of this many
 constexpr double kMinSharedArea[] = {std::numeric_limits<double>::infinity(), 1e-3, 1e-4};
 constexpr float kMinSharedPart = 0.01f;
 
-// A node to be built, over the primitives [begin, end) of one of the two buffers. Copies may fill them up to `room`.
+// A node to be built, over the primitives [begin, end) of one of the two buffers. Copies may fill them up to
+// `capacity`.
 struct Work {
   std::uint32_t node, begin, end, capacity, depth;
   Bound bound, centroids;

@@ -83,7 +83,7 @@ void list_parts(const BinaryNode* nodes, const Family& family, std::uint32_t dep
   }
 }
 
-// Lays a tree out depth first, and leaves room for the parts.
+// Lays a tree out depth first, and leaves gaps for the parts.
 struct Layout {
   struct Offsets {
     std::uint32_t root, nodes, items;

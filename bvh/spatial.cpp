@@ -140,7 +140,7 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, 
   const float whole_area = half_area(primitive.bound, inverse_size);
   const auto set_piece = [&](Primitive& piece, const Bound& half) {
     for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
-    // What is empty goes with the box; the part's own corners would be dear to find.
+    // What is empty goes with the box; the part's own corners would be expensive to find.
     piece.set_slack(primitive.slack() * std::sqrt(half_area(piece.bound, inverse_size) / whole_area));
   };
   if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side

@@ -69,7 +69,7 @@ TEST_F(DeviceTest, ThreadsThatLlvmpipeComputesOnAreKeptApart) {
   const std::set<int> before = threads();
   Device device(wanted_device());
   if (!device.info().dispatches_at_once) GTEST_SKIP() << "not llvmpipe";
-  const auto nameless = [&] { // threads that bear the inherited name still
+  const auto nameless = [&] { // threads that still have the inherited name
     return std::ranges::count_if(threads(), [&](int thread) {
       std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/comm");
       std::string name;

@@ -221,7 +221,7 @@ TEST_F(PaneTest, BlendAndTransmissionCombine) {
     for (const float v : picture.channels[0].values) sum += v / 64.0;
     return sum;
   };
-  const double error = 0.5 / std::sqrt(1024.0 * 64.0); // of a coin
+  const double error = 0.5 / std::sqrt(1024.0 * 64.0); // of a random choice
   EXPECT_NEAR(mean(1), 0.5, 4.0 * error);
   EXPECT_NEAR(mean(2), 0.5 + 0.25 * kPassed, 4.0 * error * (1.0 - 0.5 * kPassed));
 }

@@ -472,7 +472,7 @@ TEST_F(PathReuse, BitsOfAdaptiveRendersDoNotDependOnHowTheWorkIsCut) {
   }
 }
 
-// Kernels that bear both render apart what plain kernels do, and together what those for reuse alone do; those that
+// Kernels that support both render apart what plain kernels do, and together what those for reuse alone do; those that
 // know more than the scene has, what its own do.
 TEST_F(PathReuse, BitsDoNotDependOnWhatKernelsSupport) {
   for (const float specular : {0.0f, 1.0f}) {

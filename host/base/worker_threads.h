@@ -28,7 +28,7 @@ bool waits_for_cores(std::span<const ThreadTimes> threads);
 class WorkerThreads {
 public:
   // While it lives, threads that the calling thread starts are the workers: they inherit a name that the calling thread
-  // bears meanwhile.
+  // has meanwhile.
   class Making {
   public:
     explicit Making(WorkerThreads& workers);

@@ -61,13 +61,14 @@ bool validation_wanted() {
   return value != nullptr && *value != '\0' && std::strcmp(value, "0") != 0;
 }
 
-// A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, the
-// walk by lane, a large pool of paths, generic kernels first. A device may also pose as one whose texel buffers are as
-// small as Vulkan lets them be. Tests reach that code on machines without such devices.
+// A CPU driver that emulates a discrete GPU takes every choice that a GPU would get: staging for all copies, the walk
+// by lane, a large pool of paths, generic kernels first. A device may also emulate one whose texel buffers are as small
+// as Vulkan lets them be. Tests reach that code on machines without such devices.
 enum class Emulation { none, discrete, few_texels };
 
 Emulation emulation_wanted() {
   const char* value = std::getenv("WAVEPATH_EMULATE");
+  if (value == nullptr) value = std::getenv("WAVEPATH_POSE"); // its name before, which documents promised
   if (value == nullptr || *value == '\0') return Emulation::none;
   if (std::strcmp(value, "discrete") == 0) return Emulation::discrete;
   if (std::strcmp(value, "few-texels") == 0) return Emulation::few_texels;

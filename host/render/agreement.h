@@ -16,9 +16,9 @@ struct Disagreement {
 // cannot be followed back from the light, so that `bidirectional` cuts it off, and `path` does not.
 bool folds_mirrors(const PackedScene& scene);
 
-// Renders small pictures by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass
+// Renders pilots by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass
 // on its way from a lamp, so that every complete way finds all of it, unless mirrors are folded: what differs by more
-// than four standard errors and a percent, in a second trial with another seed and four times the samples as well, and
+// than four standard errors and a percent, in a second pilot with another seed and four times the samples as well, and
 // to the same side, is no chance. Nothing where they agree.
 std::optional<Disagreement> find_disagreement(Device& device, const PackedScene& scene, const View& view,
                                               const RenderPlan& first, const RenderPlan& second,

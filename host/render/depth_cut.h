@@ -11,7 +11,7 @@ struct DepthCut {
   std::uint32_t deeper = 0;    // bounces up to which it was measured
 };
 
-// Renders a small picture twice, with the depth of `settings` and with a larger one, by the same random numbers: the
+// Renders a pilot twice, with the depth of `settings` and with a larger one, by the same random numbers: the
 // paths are the same up to the cut, so that the difference is all that lies behind it and nearly free of noise. Uses
 // the kernels that are there. `progress` may end it: then, and where the device fails, it throws Error.
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,

@@ -27,7 +27,7 @@ bool may_lose_light(const PackedScene& scene);
 // empty if there is no such body or no such light.
 std::string unlit_bodies(const PackedScene& scene);
 
-// Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light
+// Renders a pilot with `settings`, and one by an integrator that has light paths; the difference of their light
 // is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself. `progress`
 // may end it: then, where the other integrator cannot render the scene, and where the device fails, it throws Error.
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,

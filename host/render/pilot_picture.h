@@ -1,4 +1,4 @@
-// Small pictures that a render makes beside its own, to judge itself by.
+// Pilots: small pictures that a render makes beside its own, to judge itself by.
 #pragma once
 
 #include "host/film/film.h"

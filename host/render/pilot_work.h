@@ -1,5 +1,4 @@
-// What trials of ways to render have in common: short renders, of which counted work is weighed against the estimated
-// error.
+// The work of pilots: short renders of candidates, whose counted work is weighed against their estimated error.
 #pragma once
 
 #include "host/render/render.h"
@@ -16,8 +15,8 @@ double expected_paths(const RenderPlan& settings, bool cpu);
 // Whether the render may make pilots: one that is foreseen to take less than a second makes none.
 bool may_make_pilots(const RenderPlan& settings, bool cpu);
 
-// What the samples of a trial took in camera rays (IntegratorKind::work), without what was learned before the first of
-// them: twice what its last half took.
+// Work of the samples of a pilot in camera rays (IntegratorKind::work), without the training before the first of them:
+// twice the work of its last half.
 double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu);
 
 } // namespace wavepath

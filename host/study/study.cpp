@@ -147,7 +147,7 @@ private:
     return result;
   }
 
-  // The strongest of what there is, with as many samples as a short trial says that there is time for.
+  // The strongest of what there is, with as many samples as a pilot says that there is time for.
   StudyReference render_reference() {
     RenderPlan settings = settings_.render;
     settings.sampler = gpu::kSamplerSobol;

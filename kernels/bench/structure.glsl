@@ -8,7 +8,7 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kAnyHit = false;
-layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are dear, see
+layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are expensive, see
                                                               // kernels/bvh/bvh_in_step.glsl
 layout(constant_id = 2) const bool kCounts = false; // tells the work of each ray
 layout(set = 0, binding = 0) uniform samplerBuffer rays; // two texels a ray: origin and t_max, direction

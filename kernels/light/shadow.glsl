@@ -76,7 +76,7 @@ bool lets_light_through(Hit hit, float distance_) {
 #ifdef SHADOW_PASSES_PANES
   uint flags = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
   if (uses(kFeaturePanes) && (flags & kTrianglePane) != 0u) {
-    // Through a hole or through the glass: the two differ in bounces, so a coin decides, as for rays of paths.
+    // Through a hole or through the glass: the two differ in bounces, so a random choice decides, as for rays of paths.
     if (has(kFeatureAlpha) && (flags & kTriangleAlpha) != 0u && is_hole(hit, path_sampler, kHashConnect)) return true;
     return passes_pane(hit, distance_);
   }

@@ -58,7 +58,8 @@ enum OwnBuffer : std::size_t {
   kPositionSignals
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
-constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPositions = 1u << 1; // bits of Extent::options
+constexpr std::uint32_t kCapacityForLayers = 1u << 0,
+                        kCapacityForPositions = 1u << 1; // bits of BufferDimensions::options
 
 std::uint64_t positions(const BufferDimensions& e) {
   return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;

@@ -44,8 +44,8 @@ public:
   Hybrid(Workspace& workspace, KernelCompiler& kernels);
   ~Hybrid() override;
 
-  // With Past::keep the ambient radiance stays what it was, and filters over time still know the frames before if their
-  // size is the same; what comes out then depends on them. Throws Error if the device cannot rasterize.
+  // With TemporalHistory::keep the ambient radiance stays what it was, and filters over time still know the frames
+  // before if their size is the same; what comes out then depends on them. Throws Error if the device cannot rasterize.
   void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;

@@ -27,7 +27,7 @@ public:
   // For a picture of this size.
   GuideTraining(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations);
 
-  Pilot next() const; // one sample of every pixel of the small picture
+  Pilot next() const; // one sample of every pixel of the pilot
   // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
   bool take(const Buffer& records);
   bool is_done() const { return done_; }

@@ -60,7 +60,7 @@ enum PathBuffer : std::size_t {
   kRecords
 };
 
-// Bits of Extent::options.
+// Bits of BufferDimensions::options.
 inline constexpr std::uint32_t kCapacityForShadowRays = 1u << 0, kCapacityForSeen = 1u << 1,
                                kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
     kCapacityForLightSums = 1u << 3, kCapacityForGuide = 1u << 4, kCapacityForGuideRecords = 1u << 5,
@@ -70,7 +70,7 @@ class Paths {
 public:
   Paths(Workspace& workspace, KernelCompiler& kernels);
 
-  // Takes up settings and the workspace's frame: begins compiling `stages` and makes room. `options`: see above.
+  // Takes up settings and the workspace's frame: begins compiling `stages` and reserves memory. `options`: see above.
   // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
   bool change(const RenderPlan& settings, std::uint32_t stages, std::uint32_t options, gpu::Feature film_features = 0);
   bool is_ready() { return kernels_.ready(need_); }

@@ -26,9 +26,9 @@ std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels);
 
 struct SampleDistribution {
   std::vector<std::int8_t> levels; // of all runs of kRunPixels pixels in tile order
-  // Squared error times time that is expected, over that without levels: the mean of what all pixels of the pilot say
-  // of levels that they chose, which flatters, and what half of them say of those that the other half chose, which
-  // wrongs.
+  // Expected squared error times time, over that without levels: the mean of an optimistic estimate (levels chosen and
+  // judged by the same pixels of the pilot) and a pessimistic, cross-validated one (chosen by one half of a
+  // chequerboard of pixels, judged by the other).
   double cost = 1.0;
 };
 

@@ -45,7 +45,7 @@ public:
   virtual ~Integrator() = default;
 
   // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
-  // makes room. Throws Error if the device cannot hold it.
+  // reserves memory. Throws Error if the device cannot hold it.
   virtual void change(const View& view, const RenderPlan& settings, TemporalHistory history) = 0;
   // True if the kernels are compiled, so that get_ready() will not wait.
   virtual bool is_ready() = 0;

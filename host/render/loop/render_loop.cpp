@@ -201,7 +201,7 @@ void RenderLoop::explore(const Pilot& pilot) {
     workspace_.frame.quad_scale *= static_cast<float>(pilot.width) / static_cast<float>(frame.width);
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
-  // A small picture's pilot may have more samples of a pixel than there is room for.
+  // A pilot of a small picture may have more samples of a pixel than a wave can hold.
   const std::uint32_t capacity = std::max(sample_capacity(), 1u);
   const std::uint32_t end = pilot.first_sample + pilot.samples;
   for (const Segment& segment : pilot.segments)

@@ -22,7 +22,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kGrowth = 3;       // samples of a round over those of all before
-constexpr std::uint32_t kPilotSide = 64;   // pixels of the small picture by which bits are compared
+constexpr std::uint32_t kPilotSide = 64;   // pixels of the pilot by which bits are compared
 constexpr std::uint32_t kPilotSamples = 2; // and its samples
 constexpr std::uint32_t kFewest = 16;      // samples, before an estimate of the error may end a render
 constexpr double kLook = 0.1;              // seconds between looks at how far devices are
@@ -58,7 +58,7 @@ public:
     work.driver = on.device->info().driver;
   }
 
-  // Uploads and compiles. Returns the small picture.
+  // Uploads and compiles. Returns the film of the pilot.
   std::shared_ptr<const Film> begin() {
     RenderHooks hooks;
     hooks.progress = [this](const Progress& progress) {

@@ -40,14 +40,14 @@ struct DeviceWork {
 struct MultiDeviceResult {
   RenderResult result;
   std::vector<DeviceWork> device_work; // in the order of the devices
-  // A small picture of the scene, rendered by all of them, has the same bits: then so has the whole, whatever the
-  // shares. Else it depends on them by rounding.
+  // A pilot has the same bits on all devices: then so has the picture, however its samples are dealt. Else its rounding
+  // depends on that.
   bool bits_agree = true;
 };
 
 // Renders as render() does, with kernels and a thread for each device. Samples are dealt in rounds, each three times as
-// large as all before, in shares by the speed that was measured; seconds are those of the clock. Targets are looked at
-// between rounds. `hooks`: progress and checkpoint. The settings are neither adaptive nor those of resumed
+// large as all before, in proportion to the speeds that were measured; seconds are those of the clock. Targets are
+// looked at between rounds. `hooks`: progress and checkpoint. The settings are neither adaptive nor those of resumed
 // renders. Throws Error as render() does, and DeviceLost once no device is left.
 MultiDeviceResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene,
                                     const View& view, const RenderPlan& settings, const RenderHooks& hooks);

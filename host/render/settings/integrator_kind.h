@@ -34,7 +34,7 @@ struct OmittedStage {
 struct IntegratorKind {
   std::string_view name;    // value of --integrator
   std::string_view summary; // for --help: one clause
-  // Names of the settings that it takes besides those that all take: a setting of no use to it is refused.
+  // Names of the settings that it supports besides those that all support: others are refused.
   std::span<const std::string_view> settings{};
   std::span<const std::string_view> aovs{};       // values of --aov besides those of all
   std::span<const std::string_view> lacks_aovs{}; // values of --aov of all that it cannot give
@@ -55,7 +55,7 @@ struct IntegratorKind {
   std::vector<Setting> (*rows)() = nullptr;
   // Throws UsageError where values of its settings do not go together; null = they always do.
   void (*check)(const RenderPlan& settings) = nullptr;
-  // Whether a setting that it takes means something beside the others; null = it does.
+  // Whether a setting that it supports has an effect beside the others; null = it has.
   bool (*has_effect)(const RenderPlan& settings, std::string_view setting) = nullptr;
   // Why it cannot render this scene so; empty = it can. Null = it can render any.
   std::string (*unsupported_reason)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
@@ -68,7 +68,7 @@ struct IntegratorKind {
   // buffer.
   std::uint64_t (*bytes_per_slot)(gpu::Feature features, const RenderPlan& settings) = nullptr;
   std::uint64_t (*largest_record)(const RenderPlan& settings) = nullptr;
-  // What of bytes_per_slot() not every render takes, by name. Null = nothing.
+  // Optional parts of bytes_per_slot(), by name, itemised for `info`. Null = none.
   std::vector<MemoryItem> (*slot_items)(gpu::Feature features, const RenderPlan& settings) = nullptr;
   // Paths that a pixel takes in every wave.
   std::uint32_t (*slots_per_pixel)(const RenderPlan& settings) = nullptr;
@@ -86,8 +86,8 @@ struct IntegratorKind {
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
 
-  // Of a kind that stands for the best of others (host/render/integrator_choice.h): what it chooses from, the one to be
-  // taken without a trial first. Null for all others.
+  // Of a kind that stands for the best of others (host/render/integrator_choice.h): the candidates, first the one that
+  // is taken without a pilot. Null for all others.
   std::vector<RenderPlan> (*candidates)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
   // Of such a candidate: what these rays cost, on a CPU device or another; camera rays of path tracing are the unit.
   double (*work)(const RenderPlan& settings, const RayCounts& rays, bool cpu) = nullptr;

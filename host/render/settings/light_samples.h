@@ -11,7 +11,7 @@ namespace wavepath {
 // noise there, and a shadow ray costs little beside the rest of the path: over one sample, time times squared error is
 // 0.6 to 0.8 outdoors; with lamps in rooms it is more than 1 (benchmarks/results/NOTES.md).
 inline constexpr std::uint32_t kLightSamplesOfMaps = 4;
-// The same where a light sample is dear: materials have layers, or lights a tree to walk.
+// The same where a light sample is expensive: materials have layers, or lights a tree to walk.
 inline constexpr std::uint32_t kFewLightSamplesOfMaps = 2;
 
 // 1 to gpu::kMostLightSamples; 1 for integrators that do not take the setting. `scene`: its kFeature bits.

@@ -12,7 +12,7 @@ bool may_reuse_paths(const RenderPlan& settings);
 // Whether it does: auto does once a pilot has found that it pays, which makes it on.
 bool reuses_paths(const RenderPlan& settings);
 
-// Whether kernels for a scene of these kFeature bits are to bear both, since pilots try it
+// Whether kernels for a scene of these kFeature bits are to support both, since pilots try it
 // (KernelCapacity::reuse).
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene);
 

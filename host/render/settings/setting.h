@@ -75,8 +75,8 @@ enum class SettingGroup {
   others
 };
 
-// Which integrators take a setting: all, or those whose IntegratorKind::settings lists its name. The others refuse it
-// where it would change what the picture shows, and ignore it where it would change the noise alone.
+// The integrators that support a setting: all, or those whose IntegratorKind::settings lists its name. The others
+// refuse it where it would change what the picture shows, and ignore it where it would change the noise alone.
 enum class SupportedBy { all, listed_else_refused, listed_else_ignored };
 
 // What a setting decides: nothing that is kept (speed, end of the render), which channels there are, or the values of

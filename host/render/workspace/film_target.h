@@ -55,7 +55,7 @@ private:
 // A copy of the film that the host can read while the device goes on.
 class FilmSnapshot {
 public:
-  // Makes room for a film like `target`, which is so large that this may throw Error.
+  // Reserves memory for a film like `target`, which is so large that this may throw Error.
   void fit(Device& device, const FilmTarget& target);
   void record(Commands& commands, const FilmTarget& target) const;
   // Once the commands have been waited for. `target`: as it was when they were recorded.

@@ -11,7 +11,7 @@
 
 namespace wavepath {
 
-// What sizes depend on.
+// What the sizes of buffers depend on.
 struct BufferDimensions {
   std::uint64_t pixels = 0;
   std::uint64_t slots = 0;         // paths in flight
@@ -27,7 +27,7 @@ struct BufferView {
 
 struct BufferRule {
   const char* name;
-  // 0 = not needed: kernels are bound to a stand-in. Null = the owner makes the buffer itself.
+  // 0 = not needed: kernels are bound to a dummy. Null = the owner makes the buffer itself.
   std::uint64_t (*bytes)(const BufferDimensions&);
   std::vector<BufferView> views;
 };
@@ -38,8 +38,8 @@ public:
   BufferSet(Device& device, std::span<const BufferRule> rules)
       : device_(&device), rules_(rules), buffers_(rules.size()) {}
 
-  // Makes room where there is too little; what a buffer that is replaced held is lost. Returns whether any was. Throws
-  // Error if the device has no memory for it.
+  // Replaces buffers that are too small; their contents are lost. Returns whether any was replaced. Throws Error if the
+  // device has no memory for it.
   bool fit(const BufferDimensions& dimensions);
 
   Buffer& operator[](std::size_t rule) { return buffers_[rule]; }

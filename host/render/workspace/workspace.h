@@ -24,7 +24,7 @@ public:
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
   // afterwards.
   void change(const View& view, const RenderPlan& settings);
-  // Makes room for the film and the list of entries. `features`: kFeature bits of all kernels that may run. Sends
+  // Reserves memory for the film and the list of entries. `features`: kFeature bits of all kernels that may run. Sends
   // `frame` to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderPlan& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.

@@ -24,9 +24,9 @@ class ShadowTechnique {
 public:
   virtual ~ShadowTechnique() = default;
 
-  // Takes up view and settings: begins compiling and makes room. `shared`: bindings of the frame's own buffers, which
-  // look_up() may read: paths, kBindHybrid, kBindVisibility; they outlive the technique. Nothing is in flight. Throws
-  // Error if the device cannot hold it.
+  // Takes up view and settings: begins compiling and reserves memory. `shared`: bindings of the frame's own buffers,
+  // which look_up() may read: paths, kBindHybrid, kBindVisibility; they outlive the technique. Nothing is in flight.
+  // Throws Error if the device cannot hold it.
   virtual void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) = 0;
   virtual bool is_ready() = 0;
   virtual double get_ready() = 0; // seconds that compiling took
