@@ -1,4 +1,4 @@
-// Whether two ways to render find the same light where neither can lack any: if not, one of them is wrong.
+// Whether two candidates find the same light where neither can lack any: if not, one of them is wrong.
 #pragma once
 
 #include <optional>

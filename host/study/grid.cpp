@@ -22,7 +22,7 @@ void apply(const Choice& choice, RenderPlan& settings) {
   read_setting(setting_named(choice.dimension), std::string(choice.value), settings);
 }
 
-// Without the choices that the integrator does not take, or that mean nothing beside the others.
+// Without the choices that the integrator does not support, or that have no effect beside the others.
 Configuration reduced(const Configuration& full, const RenderPlan& base) {
   Configuration result{{}, base};
   for (const Choice& choice : full.choices) {

@@ -30,7 +30,7 @@ struct Configuration {
 std::string flag_of(const Choice& choice);
 
 // Every combination of the values of the dimensions named, which exist; naive ones first. Values that the integrator
-// does not take are left out of a configuration, so that none is there twice.
+// does not support are left out of a configuration, so that none is there twice.
 std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderPlan& base);
 
 } // namespace wavepath

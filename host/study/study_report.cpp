@@ -40,7 +40,7 @@ std::string reference_file(const StudyRecord& record) {
 
 std::string occlusion_file(const StudyRecord& record) { return in_folder(record, kOcclusionFile); }
 
-// The flags that all frames of the grid share, and that paths do not take.
+// The flags that all frames of the grid share, and that path integrators do not support.
 std::string frame_flags(const StudyRecord& record) {
   return fmt::format(" --ao-radius {}", record.settings.render.ao_radius.value_or(0.0));
 }

@@ -27,7 +27,7 @@ public:
   // stands still. What wrote the inputs needs no barrier, nor does what reads the result. Ends with its own bindings
   // bound.
   void record(Commands& commands, const gpu::CameraView& now);
-  // A cut, or a change of what is to be seen: the next frame has no past.
+  // A cut, or a change of what is to be seen: the next frame has no history.
   void forget();
 
   static std::uint64_t bytes_per_pixel(); // of device memory, as is the next

@@ -22,7 +22,7 @@ public:
   // Joins `color` to what came before. `now` is how it was seen; the geometry stands still. What wrote the inputs needs
   // no barrier, nor does what reads the result. Ends with its own bindings bound.
   void record(Commands& commands, const gpu::CameraView& now);
-  // A cut: the next frame has no past.
+  // A cut: the next frame has no history.
   void forget();
 
   // vec4, row-major: linear colour, and in w the number of frames in it, up to ten. The same buffer every frame.

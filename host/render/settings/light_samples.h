@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kLightSamplesOfMaps = 4;
 // The same where a light sample is expensive: materials have layers, or lights a tree to walk.
 inline constexpr std::uint32_t kFewLightSamplesOfMaps = 2;
 
-// 1 to gpu::kMostLightSamples; 1 for integrators that do not take the setting. `scene`: its kFeature bits.
+// 1 to gpu::kMostLightSamples; 1 for integrators that do not support the setting. `scene`: its kFeature bits.
 std::uint32_t light_samples_of(const RenderPlan& settings, gpu::Feature scene);
 
 // Whether shadow rays may look for the sky besides paths (kernels/path/sky.glsl): it has one colour, and paths alone
