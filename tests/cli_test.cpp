@@ -182,21 +182,21 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   };
   refused({"--integrator", "hybird"}, "did you mean hybrid?");
   refused({"--branching", "choice"},
-          "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
+          "--branching: is not supported by --integrator path; use --integrator whitted, or leave it out");
   refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
   refused({"--textures", "hardware", "--strict"}, "--textures hardware: is biased, which --strict refuses");
   refused({"--denoise", "oidn", "--integrator", "hybrid"},
           "--denoise oidn: cannot filter the frames of --integrator hybrid");
-  refused({"--aov", "ao"}, "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
+  refused({"--aov", "ao"}, "--aov ao: is not supported by --integrator path; use --integrator hybrid or ao");
   refused({"--integrator", "hybrid", "--adaptive"},
-          "--adaptive: is not taken by --integrator hybrid; use --integrator path");
+          "--adaptive: is not supported by --integrator hybrid; use --integrator path");
   refused({"--integrator", "hybrid", "--strict"}, "--integrator hybrid: is biased, which --strict refuses");
   refused({"--integrator", "ao", "--strict", "--denoise"}, "leave out --denoise");
   refused({"--integrator", "bidirectional", "--strict", "--techniques", "hit,light,connect,splat,merge"},
           "--strict: refuses merging");
   refused({"--integrator", "ao", "--denoise", "--mergeable"}, "--denoise: makes every sample depend on those before");
   refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"},
-          "--pixel: is not taken by --integrator ao; use --integrator path");
+          "--pixel: is not supported by --integrator ao; use --integrator path");
   refused({"--integrator", "hybrid", "--shadow-samples", "0"}, "--shadow-samples");
   refused({"--integrator", "hybrid", "--ambient", "1,-1,1"}, "'1,-1,1' is negative");
   refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");
@@ -345,7 +345,7 @@ TEST(Info, TellsWhatARenderTakes) {
   for (const char* words :
        {"\n  bidirectional\n    at 1280x720 at most ", "\n    film of splats ", "\n    light vertices "})
     EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
-  expect_error({"info", kBox, "--integrator", "hybrid", "--guide"}, 2, "is not taken by --integrator hybrid");
+  expect_error({"info", kBox, "--integrator", "hybrid", "--guide"}, 2, "is not supported by --integrator hybrid");
 }
 
 TEST(Info, TellsWhatLightsTheSceneByRule) {

@@ -320,18 +320,18 @@ TEST(Settings, TheDefaultIntegratorIsAutoUnlessAFlagSpeaksAgainstIt) {
 
 TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
   expect_refused("--branching choice",
-                 "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
-  expect_refused("--ambient 1,1,1", "--ambient: is not taken by --integrator path; use --integrator hybrid");
+                 "--branching: is not supported by --integrator path; use --integrator whitted, or leave it out");
+  expect_refused("--ambient 1,1,1", "--ambient: is not supported by --integrator path; use --integrator hybrid");
   expect_refused(
       "--integrator hybrid --aperture 0.1",
-      "--aperture: is not taken by --integrator hybrid; use --integrator path, auto, bidirectional or whitted");
+      "--aperture: is not supported by --integrator hybrid; use --integrator path, auto, bidirectional or whitted");
   expect_refused("--blades 2", "is no polygon");
   expect_refused("--focus -1", "is not a number above zero");
-  expect_refused("--ao-radius 2", "--ao-radius: is not taken by --integrator path");
-  expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not taken by --integrator ao");
-  expect_refused("--aov ao", "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
+  expect_refused("--ao-radius 2", "--ao-radius: is not supported by --integrator path");
+  expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not supported by --integrator ao");
+  expect_refused("--aov ao", "--aov ao: is not supported by --integrator path; use --integrator hybrid or ao");
   expect_refused("--integrator hybrid --adaptive",
-                 "--adaptive: is not taken by --integrator hybrid; use --integrator path");
+                 "--adaptive: is not supported by --integrator hybrid; use --integrator path");
   for (const char* flags : {"--shadow-samples 4 --ao-samples 4", "--integrator ao --direct nee --hemisphere uniform"})
     EXPECT_NO_THROW(parsed(std::string("wavepath render scene.gltf ") + flags)) << "changes the noise alone";
 }

@@ -130,7 +130,7 @@ std::string structures_table(const std::vector<StructureRow>& rows) {
     text += fmt::format("{:>9.4f}\n", least);
   }
   text +=
-      "Mrays/s by kind; items that its leaves hold, per triangle; share of the rays that find what the first row "
+      "Mrays/s by kind; items that its leaves hold, per triangle; fraction of the rays that find what the first row "
       "does\n";
   text += fmt::format("\n{:<18}{:>15}{:>15}{:>15}\n", "visits + tests", "camera", "bounce", "shadow");
   for (const StructureRow& row : rows) {

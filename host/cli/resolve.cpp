@@ -23,7 +23,7 @@ namespace {
 
 [[noreturn]] void refuse_unsupported(const std::string& flag, const RenderPlan& settings,
                                      const std::string& supported_by) {
-  throw UsageError(flag, fmt::format("is not taken by --integrator {}", settings.integrator->name),
+  throw UsageError(flag, fmt::format("is not supported by --integrator {}", settings.integrator->name),
                    fmt::format("use --integrator {}, or leave it out", supported_by));
 }
 

@@ -29,7 +29,7 @@ RenderPlan pilot_settings(const RenderPlan& settings, std::uint32_t longest_side
 RenderResult render_pilot(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                           const ProgressCallback& progress, KernelCompiler& kernels, SceneOnDevice& shared) {
   RenderResult result = render(device, scene, view, settings, RenderHooks{progress}, kernels, &shared);
-  if (result.stop == StopReason::interrupted) throw Error("the small picture", "was interrupted", "let it end");
+  if (result.stop == StopReason::interrupted) throw Error("a pilot", "was interrupted", "let it end");
   return result;
 }
 

@@ -44,7 +44,7 @@ Measurement tiny_light(const SelftestContext& context) {
     worst.add(studio.measure(scene, square(16, context.full ? 2048 : 256, 1)), expected, 1e-4 * expected, label);
     // One sample a pixel: the brightest pixel is the largest sample.
     const Estimate samples = studio.measure(scene, square(64, 1, 1), 1);
-    worst.add(samples.largest / (samples.mean * 64 * 64), 0.0, 0.01, label + ", largest sample's share");
+    worst.add(samples.largest / (samples.mean * 64 * 64), 0.0, 0.01, label + ", largest sample's fraction");
   }
   return worst.judge();
 }

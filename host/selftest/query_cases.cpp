@@ -67,7 +67,8 @@ Measurement against_traversal(const SelftestContext& context) {
     different += blocked[i] != blocked_too[i];
   }
   const double fraction = static_cast<double>(different) / (2.0 * static_cast<double>(rays.size()));
-  return judge_near(fraction, 0.0, 1e-3, fmt::format("share of {} answers, sizes from 10^-3 to 10^3", 2 * rays.size()));
+  return judge_near(fraction, 0.0, 1e-3,
+                    fmt::format("fraction of {} answers, sizes from 10^-3 to 10^3", 2 * rays.size()));
 }
 
 constexpr SelftestCase kQueryCases[] = {

@@ -186,7 +186,7 @@ private:
     const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
-      seconds = render_one(settings, kernels, "trial for the " + what).seconds;
+      seconds = render_one(settings, kernels, "pilot for the " + what).seconds;
       if (study_.interrupted || seconds > kPilotFraction * fraction) break;
     }
     const double samples =

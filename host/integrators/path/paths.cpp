@@ -70,7 +70,7 @@ const std::vector<BufferRule> kRules = {
        return (samplers + keeps_receivers(e)) * e.slots * sizeof(glm::uvec4);
      },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
-    {"learned shares of lights",
+    {"learned probabilities",
      [](const BufferDimensions& e) { return learned_bytes(e, kLightCellBytes, kSkyCellBytes); },
      {{gpu::kBindLightCells, texels_r32ui}}},
     {"sums of the light pilot",

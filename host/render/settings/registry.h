@@ -68,7 +68,7 @@ struct Registry {
     for (const Setting& other : settings_table())
       if (!is_default(other, settings) && !supports(settings, other.name))
         throw UsageError(fmt::format("--{}", other.name),
-                         fmt::format("is not taken by --{} {}", setting, name(settings)), "leave it out");
+                         fmt::format("is not supported by --{} {}", setting, name(settings)), "leave it out");
   }
 };
 

@@ -15,7 +15,7 @@ void check_antialias_settings(const RenderPlan& settings) {
   const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
   const bool usual_filter = settings.filter == RenderPlan{}.filter || settings.filter == gpu::kFilterBox;
   if (kind.position && !usual_filter)
-    throw UsageError("--filter", fmt::format("is not taken by --antialias {}", kind.name), "leave it out");
+    throw UsageError("--filter", fmt::format("is not supported by --antialias {}", kind.name), "leave it out");
   if (kind.check) kind.check(settings);
 }
 

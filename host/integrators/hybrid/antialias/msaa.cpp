@@ -15,7 +15,7 @@ void check_sharing(const RenderPlan& settings) {
         flag, fmt::format("has {} places a pixel, and {} samples fill none", gpu::kMultisamplePositions, samples),
         fmt::format("give --spp {}", (samples / gpu::kMultisamplePositions + 1) * gpu::kMultisamplePositions));
   if (settings.target_error > 0.0)
-    throw UsageError("--target-error", fmt::format("is not taken by {}, whose samples share their noise", flag),
+    throw UsageError("--target-error", fmt::format("is not supported by {}, whose samples share their noise", flag),
                      "leave it out");
 }
 
@@ -23,7 +23,7 @@ void check_sharing(const RenderPlan& settings) {
 
 constinit const AntialiasKind kAntialiasMsaa = {
     .name = "msaa",
-    .summary = "four places in the pixel, which share shading where they see one triangle",
+    .summary = "four positions in the pixel, which share shading where they see one triangle",
     .position = [](std::uint32_t sample,
                    std::uint32_t) { return position_in_grid(sample % gpu::kMultisamplePositions, 2); },
     .shares_shading = true,

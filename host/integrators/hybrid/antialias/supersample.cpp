@@ -23,9 +23,10 @@ void check_square(const RenderPlan& settings) {
 
 } // namespace
 
-constinit const AntialiasKind kAntialiasSupersample = {.name = "supersample",
-                                                       .summary = "the mean of a regular grid of places in the pixel",
-                                                       .position = position_of,
-                                                       .check = check_square};
+constinit const AntialiasKind kAntialiasSupersample = {
+    .name = "supersample",
+    .summary = "the mean of a regular grid of positions in the pixel",
+    .position = position_of,
+    .check = check_square};
 
 } // namespace wavepath

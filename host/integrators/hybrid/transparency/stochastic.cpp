@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 1> kStochasticSettings = {"transparency-s
 
 constinit const TransparencyKind kTransparencyStochastic = {
     .name = "stochastic",
-    .summary = "sampled at a fixed number of random places (Enderton et al. 2010)",
+    .summary = "sampled at a fixed number of random positions (Enderton et al. 2010)",
     .settings = kStochasticSettings,
     .flag = gpu::kHybridLayers,
     .layers = &kStochasticRecipe,
