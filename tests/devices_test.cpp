@@ -105,7 +105,7 @@ TEST_F(Devices, PartsAndPicturesOfSeveralMerge) {
     EXPECT_EQ(find_channel(joined, name)->values, find_channel(whole, name)->values) << name;
 }
 
-// Whenever it happens: while the small picture is rendered, or in any round.
+// Whenever it happens: while the pilot is rendered, or in any round.
 TEST_F(Devices, TheOthersTakeOverFromOneThatIsLost) {
   ASSERT_EQ(render("one.exr", {"--integrator", "path"}).exit_code, 0);
   bool in_probe = false, with_samples = false;

@@ -97,7 +97,7 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
   EXPECT_LT(MemoryCheck("a.glb", scene, kLamps, device_of("discrete")).bytes(both), needed / 2);
 }
 
-// What auto asks for is the way that it takes without a trial; the others may take more.
+// What auto asks for is the candidate that it takes without a pilot; the others may take more.
 TEST(MemoryPlan, TellsCandidatesOfAutoApart) {
   const DeviceInfo cpu = device_of("cpu");
   const RenderPlan automatic = settings_of(automatic_integrator()), path = settings_of(kPath);

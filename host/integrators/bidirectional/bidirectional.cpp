@@ -218,9 +218,8 @@ double Bidirectional::get_ready() {
   return kernels_.best(need_).seconds() + paths_.get_ready() + photons + trainer_.get_ready();
 }
 
-// Camera paths alone, weighted as in path tracing. Weighted as in the picture, where light paths find much of what the
-// lights bring, they teach worse: squared errors are 1.09 (a house with 10,000 lamps) and 1.29 times as large (100
-// lamps).
+// Training uses camera paths alone, weighted as in path tracing. Weighted as in the picture, where light paths find
+// much of the light, they train worse: 1.09x the squared error (a house with 10,000 lamps) and 1.29x (100 lamps).
 std::optional<Pilot> Bidirectional::pilot() {
   if (!is_training_) return std::nullopt;
   send_constants(techniques_ & (gpu::kTechniqueHit | gpu::kTechniqueLight));

@@ -79,8 +79,8 @@ GuideReport GuideTraining::report() const {
           .training_paths = std::uint64_t{sample_} * pixels()};
 }
 
-// The first fields guide the next iteration by what their own has found; later ones, of which one guides the picture,
-// learn from some iterations before, too, whose fields were poorer.
+// The first fields train on their own iteration alone. Later ones, of which one guides the picture, train on some
+// iterations before as well, whose fields were poorer.
 std::span<const GuideVertex> GuideTraining::training_vertices() const {
   return std::span(vertices_).subspan(iteration_ + 1 < kGuideIterations ? iteration_begins_.back() : 0);
 }

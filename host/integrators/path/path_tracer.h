@@ -1,5 +1,5 @@
-// Unidirectional path tracing: camera rays, next-event estimation, multiple importance sampling. Its pilots learn which
-// lights reach where, and then where light comes from.
+// Unidirectional path tracing: camera rays, next-event estimation, multiple importance sampling. Its pilots train light
+// selection, and then the guiding field.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // How many samples each run of pixels gets in an adaptive render.
 //
 // The error of the mean falls with the samples n_t of run t as sigma_t / sqrt(n_t), so a given number of samples serves
-// best where n_t is in proportion to sigma_t (Neyman 1934). sigma_t comes from a pilot whose samples are thrown away:
+// best where n_t is in proportion to sigma_t (Neyman 1934). sigma_t comes from a pilot whose samples are discarded:
 // what a pixel gets does not depend on the samples that it is made of, so its mean stays unbiased (Kirk and Arvo 1991).
 #pragma once
 
