@@ -14,9 +14,9 @@
 
 // What guides a path at a vertex.
 struct Guide {
-  uint map;          // first texel of the leaf's map
-  float probability; // of drawing from it
-  float guidable_fraction;       // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
+  uint map;                // first texel of the leaf's map
+  float probability;       // of drawing from it
+  float guidable_fraction; // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
 };
 
 const float kGuidedAlpha = 0.1; // narrower facets are not guided

@@ -11,7 +11,7 @@ bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeat
 const uint kMostWalls = 16u; // which a ray passes: each is a bounce, of which paths have 8 if nothing else is asked for
 uint wall_count;
 float wall_distances[kMostWalls]; // along the ray
-uint wall_bodies[kMostWalls];  // 2 * material, + 1 where the ray enters
+uint wall_bodies[kMostWalls];     // 2 * material, + 1 where the ray enters
 vec3 wall_fractions[kMostWalls];  // of the light that it lets through, if no other body hides it
 
 bool keep_wall(uint material, bool enters, float distance_, vec3 fraction) {

@@ -12,8 +12,8 @@ struct Element {
   vec3 position;
   uint bits;   // of the pick
   vec3 normal;
-  uint branches;  // of the light whose probability is asked for, or of a cluster
-  uint light;  // picked
+  uint branches; // of the light whose probability is asked for, or of a cluster
+  uint light;    // picked
   float probability, below_cluster, remainder;
   float asked, asked_below_cluster; // of the light at the end of `branches`
   uint in_cluster;                  // 1: draw from the cluster that `branches` lead to

@@ -34,7 +34,7 @@ struct Receiver {
   uint view_index;
   ShadowView view;
   vec2 map_position; // in texels of the view
-  float depth;    // as maps have it
+  float depth;       // as maps have it
 };
 
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
