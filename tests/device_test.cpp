@@ -102,15 +102,15 @@ TEST_F(DeviceTest, AnUnknownEmulationIsRefused) {
 
 TEST_F(DeviceTest, TheFormerNameOfEmulationIsRead) {
   const Emulate none(nullptr);
-  const char* value = std::getenv("WAVEPATH_POSE");
+  const char* value = std::getenv("WAVEPATH_EMULATE");
   const std::string before = value ? value : "";
-  setenv("WAVEPATH_POSE", "integrated", 1);
+  setenv("WAVEPATH_EMULATE", "integrated", 1);
   EXPECT_THROW(list_devices(), Error);
   {
     const Emulate first("discrete");
     EXPECT_NO_THROW(list_devices()) << "the new name comes first";
   }
-  before.empty() ? unsetenv("WAVEPATH_POSE") : setenv("WAVEPATH_POSE", before.c_str(), 1);
+  before.empty() ? unsetenv("WAVEPATH_EMULATE") : setenv("WAVEPATH_EMULATE", before.c_str(), 1);
 }
 
 // More than the staging buffer holds, at an odd offset, and from several threads.

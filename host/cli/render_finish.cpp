@@ -65,8 +65,9 @@ bool ended_early(const RenderResult& result) {
 
 // The first device that was not lost, for what is measured after the render.
 RenderingDevice surviving(const Prepared& prepared, const MultiDeviceResult* shared) {
-  for (std::size_t i = 1; shared && i < shared->fractions.size() && shared->fractions.front().lost; ++i)
-    if (!shared->fractions[i].lost) return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
+  for (std::size_t i = 1; shared && i < shared->device_work.size() && shared->device_work.front().lost; ++i)
+    if (!shared->device_work[i].lost)
+      return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
   return {prepared.device.get(), prepared.kernels.get()};
 }
 

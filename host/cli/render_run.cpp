@@ -83,8 +83,8 @@ MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepare
   });
   if (!shared.bits_agree)
     prepared.warnings.add("the devices round differently, so that the last bits of the picture depend on their shares");
-  for (const DeviceWork& fraction : shared.fractions)
-    if (fraction.lost) prepared.warnings.add(fraction.name + ": was lost while rendering; the others took over");
+  for (const DeviceWork& work : shared.device_work)
+    if (work.lost) prepared.warnings.add(work.name + ": was lost while rendering; the others took over");
   return shared;
 }
 

@@ -68,7 +68,6 @@ enum class Emulation { none, discrete, few_texels };
 
 Emulation emulation_wanted() {
   const char* value = std::getenv("WAVEPATH_EMULATE");
-  if (value == nullptr) value = std::getenv("WAVEPATH_POSE"); // its name before, which documents promised
   if (value == nullptr || *value == '\0') return Emulation::none;
   if (std::strcmp(value, "discrete") == 0) return Emulation::discrete;
   if (std::strcmp(value, "few-texels") == 0) return Emulation::few_texels;

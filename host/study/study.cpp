@@ -58,20 +58,20 @@ public:
     if (study_.series.empty()) throw Error("the grid", study_.unsupported.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
     reference_fraction_ = varies_shadows_ ? kShadowReferenceFraction : kReferenceFraction;
-    double fraction = settings_.budget * (reference ? 1.0 : 1.0 - reference_fraction_);
+    double seconds = settings_.budget * (reference ? 1.0 : 1.0 - reference_fraction_);
     study_.reference = reference ? *std::move(reference) : render_reference();
     if (varies_shadows_) shadowed_ = hybrid->settings;
     if (occlusion && !study_.interrupted) {
       study_.occlusion = render_occlusion();
-      fraction -= kOcclusionFraction * settings_.budget;
+      seconds -= kOcclusionFraction * settings_.budget;
     }
     if (hybrid && !study_.interrupted && device_.info().rasterizes)
       study_.first_hits = measure_first_hits(hybrid->settings);
     if (study_.interrupted) return std::move(study_);
     if (varies_shadows_)
-      measure_shadows(fraction);
+      measure_shadows(seconds);
     else
-      measure_all(fraction / static_cast<double>(study_.series.size()));
+      measure_all(seconds / static_cast<double>(study_.series.size()));
     if (!study_.unsupported.empty())
       std::erase_if(study_.series, [&](const Series& one) {
         const std::string name = one.configuration.name();
@@ -180,17 +180,17 @@ private:
     return {std::move(result.picture), "", estimated_error(result), settings.seed, result.spp, result.seconds};
   }
 
-  std::uint32_t affordable_samples(RenderPlan settings, double fraction, KernelCompiler& kernels,
+  std::uint32_t affordable_samples(RenderPlan settings, double budget, KernelCompiler& kernels,
                                    const std::string& what) {
-    constexpr double kPilotFraction = 1.0 / 32.0; // of the fraction
+    constexpr double kPilotFraction = 1.0 / 32.0; // of the budget
     const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
       seconds = render_one(settings, kernels, "pilot for the " + what).seconds;
-      if (study_.interrupted || seconds > kPilotFraction * fraction) break;
+      if (study_.interrupted || seconds > kPilotFraction * budget) break;
     }
     const double samples =
-        std::numbers::sqrt2 * (fraction - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
+        std::numbers::sqrt2 * (budget - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
   }
 
@@ -223,8 +223,8 @@ private:
   }
 
   // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
-  // its last render would not fit into what is left of its fraction.
-  void measure_all(double fraction) {
+  // its last render would not fit into what is left of its `budget`, in seconds.
+  void measure_all(double budget) {
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);
     std::vector<KernelCompiler*> active;
@@ -244,7 +244,7 @@ private:
         }
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
-        if (used[i] + 2.0 * seconds > fraction || (1u << octave) >= kMostSamples) active[i] = nullptr;
+        if (used[i] + 2.0 * seconds > budget || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
   }
 

@@ -33,7 +33,7 @@ struct StudySettings {
   RenderPlan render; // what all configurations have in common
   std::vector<std::string> vary;
   double budget = 60.0;            // seconds of rendering in all
-  std::uint32_t reference_spp = 0; // 0 = what fits into its fraction of the budget
+  std::uint32_t reference_spp = 0; // 0 = what fits into a fraction of the budget
 };
 
 // The scene as each light strategy and each way to filter textures want it packed.

@@ -42,7 +42,8 @@ vec3 sample_lens(vec2 u) {
   return position.x * normalize(frame.camera_right) + position.y * normalize(frame.camera_up);
 }
 
-// The camera ray through a position in the picture, of a sample that draws its own point on the lens where there is one.
+// The camera ray through a position in the picture, of a sample that draws its own point on the lens where there is
+// one.
 void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 direction) {
   camera_ray(position, origin, direction);
   if (kLens == kLensPinhole) return;

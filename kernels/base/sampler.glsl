@@ -44,7 +44,8 @@ uint samples_of_half(uint sample_total, uint replicate) {
 // Sample `sample_` of those that are split between two replicates.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
   uint replicate = sample_ % kReplicates;
-  return make_replicate_sampler(seed, pixel, replicate, sample_ / kReplicates, samples_of_half(sample_total, replicate));
+  return make_replicate_sampler(seed, pixel, replicate, sample_ / kReplicates,
+                                samples_of_half(sample_total, replicate));
 }
 
 // ---- Owen-scrambled Sobol ---------------------------------------------------------------------------------------

@@ -31,7 +31,8 @@ layout(local_size_x = kWorkgroupSize) in;
 bool project(vec3 point, vec3 lens, out vec2 position, out vec3 origin, out vec3 to_point) {
   vec3 offset = point - frame.camera_position;
   float depth = dot(offset, frame.camera_forward);
-  if (kLens != kLensPinhole) { // the middle of the lens sees in the same position where the ray meets the plane of focus
+  if (kLens != kLensPinhole) { // the middle of the lens sees in the same position where the ray meets the plane of
+                               // focus
     if (is_orthographic())
       offset -= lens * (1.0 - depth / frame.focus_distance);
     else

@@ -136,8 +136,8 @@ bool may_meet_item(uint item) {
                   moved(texelFetch(triangles, texel + 2).xyz, texel + 2));
 }
 
-// Most triangles are missed, and finding the position of a hit takes longer than finding that there is none: so the positions
-// are found in a loop of their own, which takes few rounds.
+// Most triangles are missed, and finding the position of a hit takes longer than finding that there is none: so the
+// positions are found in a loop of their own, which takes few rounds.
 void drop_missed() {
   uint rest = items.y, later = later_items.y;
   while ((rest | later) != 0u) {

@@ -5,7 +5,9 @@
 
 bool multisamples() { return (hybrid.flags & kHybridMultisample) != 0u; }
 
-uint position_index(uint sample_position, uint pixel_index) { return sample_position * frame.width * frame.height + pixel_index; }
+uint position_index(uint sample_position, uint pixel_index) {
+  return sample_position * frame.width * frame.height + pixel_index;
+}
 
 // The frame whose shading the pixel shows: this one, or one of those of its group before it.
 uint shading_position(uint pixel_index) {

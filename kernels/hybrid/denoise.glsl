@@ -2,8 +2,8 @@
 //
 // A pixel's `shape` is packed into three words: normal, disparity, surface. Disparity is 1 / depth for perspective
 // cameras and depth for orthographic ones, because that is linear across the picture of a plane. 0 = nothing is seen.
-// The fourth word: frames in the histories of direct light and unoccluded fraction, 16 bits each ("past"), or the standard
-// errors of both ("guide"), the upper halves of floats with the sign bit saying that there is no value.
+// The fourth word: frames in the histories of direct light and unoccluded fraction, 16 bits each ("past"), or the
+// standard errors of both ("guide"), the upper halves of floats with the sign bit saying that there is no value.
 #ifndef WAVEPATH_DENOISE_GLSL
 #define WAVEPATH_DENOISE_GLSL
 

@@ -62,6 +62,7 @@ void main() {
   if (local >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(local);
   uint pixel_index = pixel.y * frame.width + pixel.x;
-  signals[pixel_index].w =
-      hit.triangle == kNone ? 0.0 : unoccluded(hit, gbuffer[pixel_index].normal, -fetch_ray(local).direction, pixel_index);
+  signals[pixel_index].w = hit.triangle == kNone
+                               ? 0.0
+                               : unoccluded(hit, gbuffer[pixel_index].normal, -fetch_ray(local).direction, pixel_index);
 }

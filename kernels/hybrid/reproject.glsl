@@ -33,7 +33,8 @@ float seen_depth(int index) { return uintBitsToFloat(texelFetch(gbuffer_texels, 
 
 vec2 jitter(CameraView view) { return vec2(view.jitter_x, view.jitter_y); }
 
-// The position at which `view` shows what lies at `offset` from the camera, and its depth; not in front of it: depth <= 0.
+// The position at which `view` shows what lies at `offset` from the camera, and its depth; not in front of it: depth <=
+// 0.
 vec3 shown_at(CameraView view, vec3 offset) {
   float depth = dot(offset, view.forward);
   float scale = view.orthographic != 0u ? 1.0 : 1.0 / max(depth, 1e-30);

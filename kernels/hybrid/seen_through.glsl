@@ -6,8 +6,8 @@
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/surface/surface.glsl"
 
-// Bayer's matrix of 8x8 (1973): its position in the order in which pixels open, as a fraction. A position is made of two bits of
-// x and y at a time, the coarsest last.
+// Bayer's matrix of 8x8 (1973): its position in the order in which pixels open, as a fraction. A position is made of
+// two bits of x and y at a time, the coarsest last.
 float screen_door(uvec2 pixel) {
   uint order = 0u;
   for (uint bit = 0u; bit < 3u; ++bit) {

@@ -18,7 +18,8 @@ layout(local_size_x = kWorkgroupSize) in;
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
-  uint other = position_index(shading_position(pixel_index), pixel_index), own = position_index(hybrid.sample_position, pixel_index);
+  uint other = position_index(shading_position(pixel_index), pixel_index),
+       own = position_index(hybrid.sample_position, pixel_index);
   position_ids[own] = texelFetch(visibility, int(pixel_index)).xy;
   if (other != own) {
     signals[pixel_index] = position_signals[other];

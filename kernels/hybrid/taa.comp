@@ -47,7 +47,8 @@ vec4 cubic(float part) {
               p * p * (-0.5 + 0.5 * p));
 }
 
-// The history at `position`: sharp where it can be, within the nearest four pixels so that it cannot ring. w: its frames.
+// The history at `position`: sharp where it can be, within the nearest four pixels so that it cannot ring. w: its
+// frames.
 vec4 history_at(vec2 position) {
   ivec2 corner = ivec2(floor(position));
   vec2 part = position - vec2(corner);
@@ -99,8 +100,8 @@ void main() {
   vec3 deviation = sqrt(max(squares / max(count, 1.0) - mean * mean, 0.0));
 
   vec2 position = vec2(pixel) + motion(pixel);
-  bool has_history =
-      frames.remembers != 0u && all(greaterThan(position, vec2(-0.5))) && all(lessThan(position, vec2(picture_size()) - 0.5));
+  bool has_history = frames.remembers != 0u && all(greaterThan(position, vec2(-0.5))) &&
+                     all(lessThan(position, vec2(picture_size()) - 0.5));
   vec4 history = has_history ? history_at(position) : vec4(0.0);
   if (count > 0.0) history.xyz = clip(history.xyz, mean, deviation);
 

@@ -83,7 +83,8 @@ float fraction_of_integers(uint count) { return float(count) * (1.0 / 4294967296
 float local_probability(Receiver receiver, LightWalk walk, uint cluster) {
   if (!uses_light_cells()) return fraction_of_integers(local_end()) * walk.probability;
   uint cell = light_cell(receiver);
-  return cluster_probability(cell, kTreeCluster) * walk.probability + cluster_probability(cell, cluster) * walk.below_cluster;
+  return cluster_probability(cell, kTreeCluster) * walk.probability +
+         cluster_probability(cell, cluster) * walk.below_cluster;
 }
 
 uint directional_group() { return light_end(placed_lights() - 1u) - local_end(); }
@@ -123,7 +124,8 @@ uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
   LightWalk walk = walk_lights(receiver, branches, cluster == kTreeCluster, true, draw);
   u.x = stretch(draw.value, draw.range);
   if (walk.light == kNone) return kNone;
-  ratio = local_probability(receiver, walk, light_branches_and_cluster(walk.light).y) / fetch_light(walk.light).probability;
+  ratio =
+      local_probability(receiver, walk, light_branches_and_cluster(walk.light).y) / fetch_light(walk.light).probability;
   return walk.light;
 }
 

@@ -27,7 +27,9 @@ float travel(uint medium, float end, Sampler path_sampler, inout vec3 throughput
   float sum = probability.x + probability.y + probability.z;
   probability = sum > 0.0 ? probability / sum : vec3(1.0 / 3.0);
   float pick = hash_unit(path_sampler, wave.bounce, kHashMedium);
-  float chosen = pick < probability.x ? extinction.x : pick < probability.x + probability.y ? extinction.y : extinction.z;
+  float chosen = pick < probability.x                   ? extinction.x
+                 : pick < probability.x + probability.y ? extinction.y
+                                                        : extinction.z;
   float u = hash_unit(path_sampler, wave.bounce, kHashMedium + 1u);
   float distance_ = chosen > 0.0 ? -log(max(1.0 - u, 1e-10)) / chosen : end;
   bool scatters = distance_ < end;

@@ -329,9 +329,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (looks_for_sky) connect_to_sky(v, lobes, receiver, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
     // A pane with a diffuse lobe receives light, too, but what goes straight on comes from the vertex before it.
-    // (Training counts the pane's own shadow ray for that vertex: this makes probabilities less suitable, never wrong.) Where
-    // no weight will be asked for, as behind the camera or a mirror, nothing was stored before: the words are those of
-    // another path, or of nobody, and what is learned from them would differ from run to run.
+    // (Training counts the pane's own shadow ray for that vertex: this makes probabilities less suitable, never wrong.)
+    // Where no weight will be asked for, as behind the camera or a mirror, nothing was stored before: the words are
+    // those of another path, or of nobody, and what is learned from them would differ from run to run.
     if (passed && (connects || looks_for_sky) && keeps_receivers() && wants_light_weight(path))
       receiver_words[receiver_index(slot)] = earlier;
   }

@@ -1,8 +1,8 @@
 // A sky of one colour, which next-event estimation does not look for because scattered rays find it just as well. Where
 // they seldom do, shadow rays go along further directions: `frame.sky_samples` directions a vertex, the path's own
-// among them. // Where training has found which parts of the sky are seen from where, the further ones are drawn by these, and weighed
-// against the path's own by multiple importance sampling. Else they are drawn like it: all have the same density, so
-// that each has the same weight (sky_density.glsl). Include bindings.glsl first.
+// among them. // Where training has found which parts of the sky are seen from where, the further ones are drawn by
+// these, and weighed against the path's own by multiple importance sampling. Else they are drawn like it: all have the
+// same density, so that each has the same weight (sky_density.glsl). Include bindings.glsl first.
 #ifndef WAVEPATH_PATH_SKY_GLSL
 #define WAVEPATH_PATH_SKY_GLSL
 

@@ -6,7 +6,8 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/sky.glsl"
 
-#define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky()) // whether further directions are drawn with trained probabilities
+// Whether further directions are drawn with trained probabilities.
+#define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky())
 
 // Directions in which a vertex looks for the sky, besides the path's own.
 uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, USES_LEARNED_SKY, bounce) - 1u; }

@@ -243,8 +243,8 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   return g2 > 0.0;
 }
 
-// Whether u falls into a fraction of the unit interval. Either way it becomes what is left of it, again in [0, 1), so that
-// points of a net that make the same choice still form a net.
+// Whether u falls into a fraction of the unit interval. Either way it becomes what is left of it, again in [0, 1), so
+// that points of a net that make the same choice still form a net.
 bool take_with_probability(inout float u, float probability) {
   if (probability <= 0.0) return false;
   bool taken = u < probability;

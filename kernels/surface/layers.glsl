@@ -49,8 +49,8 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
 
 // ---- thin films -----------------------------------------------------------------------------------------------------
 
-// The film's fraction of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle
-// at which the light leaves, so that both ways have one reflectance.
+// The film's fraction of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the
+// angle at which the light leaves, so that both ways have one reflectance.
 vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) {
   if (!has_lobe(kLobeIridescence) || b.film.weight == 0.0) return plain;
   float outside2 = surface.eta < 1.0 ? 1.0 - (1.0 - c * c) / (surface.eta * surface.eta) : c * c;

@@ -27,8 +27,9 @@ void sort_walls() {
     float distance_ = wall_distances[i];
     vec3 fraction = wall_fractions[i];
     uint body = wall_bodies[i], k = i;
-    for (; k > 0u && (wall_distances[k - 1u] > distance_ || (wall_distances[k - 1u] == distance_ && wall_bodies[k - 1u] > body));
-         --k) {
+    for (; k > 0u; --k) {
+      bool is_same = wall_distances[k - 1u] == distance_;
+      if (!(wall_distances[k - 1u] > distance_) && !(is_same && wall_bodies[k - 1u] > body)) break;
       wall_distances[k] = wall_distances[k - 1u];
       wall_bodies[k] = wall_bodies[k - 1u];
       wall_fractions[k] = wall_fractions[k - 1u];
@@ -63,7 +64,8 @@ vec3 bodies_passed(uvec4 bodies, float metre, float end) {
     }
     uvec4 others = enters ? bodies : without_body(bodies, body);
     bool is_hidden = others.x != kNoBody && body_priority(others.x) >= body_priority(body);
-    if (!is_hidden) fraction *= others.x != kNoBody && fetch_material(others.x).ior != 1.0 ? vec3(0.0) : wall_fractions[i];
+    if (!is_hidden)
+      fraction *= others.x != kNoBody && fetch_material(others.x).ior != 1.0 ? vec3(0.0) : wall_fractions[i];
     bodies = enters ? with_body(bodies, body) : others;
   }
   depth += optical_depth(bodies.x, end - from);

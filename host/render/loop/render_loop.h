@@ -25,8 +25,8 @@
 namespace wavepath {
 
 // Which checkpoints get an estimate of the error: all that the device need not wait for, or that decide; but for the
-// last those alone that take no more than their fraction of the time; none.
-enum class Estimates { all, fraction, none };
+// last those alone that take little of the time; none.
+enum class Estimates { all, cheap, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
 struct LoopPolicy {

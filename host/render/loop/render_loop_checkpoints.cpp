@@ -36,9 +36,9 @@ ErrorEstimate unknown_error() {
 
 bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cursor_.sample == settings_.last_sample; }
 
-// Where estimates may be skipped: coarse pictures in a window, and those that would take more than their fraction.
+// Where estimates may be skipped: coarse pictures in a window, and those that would take more of the time.
 bool RenderLoop::pays() const {
-  if (policy_.estimates != Estimates::fraction) return policy_.estimates == Estimates::all;
+  if (policy_.estimates != Estimates::cheap) return policy_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;
   if (cursor_.sample == settings_.last_sample) return true;
   const double cost =

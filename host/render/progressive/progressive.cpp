@@ -30,7 +30,7 @@ RenderPlan open_ended(RenderPlan settings) {
 LoopPolicy policy_of(const RenderPlan& settings) {
   return {.longest_dispatch = kLongestWave,
           .by_wave = true,
-          .estimates = Estimates::fraction,
+          .estimates = Estimates::cheap,
           .clock_is_busy_time = true,
           .least_slots = settings.wave_slots ? 0 : kMostFrameRays,
           .most_slots = settings.wave_slots ? ~0u : kMostSlots};

@@ -18,7 +18,8 @@ float luma_at(ivec2 pixel) {
   return sqrt(light / (1.0 + light));
 }
 
-// Colours mix as light does, so that a fraction is a fraction of the pixel's area. What is not finite stays where it is.
+// Colours mix as light does, so that a fraction is a fraction of the pixel's area. What is not finite stays where it
+// is.
 vec3 blend(vec3 color, vec3 other, float fraction) {
   vec3 mixed = color + (other - color) * fraction;
   return is_finite(mixed) ? mixed : color;

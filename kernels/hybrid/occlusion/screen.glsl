@@ -86,8 +86,8 @@ float depth_of(ivec2 pixel) {
   return inside ? gbuffer[uint(pixel.y) * frame.width + uint(pixel.x)].depth : 0.0;
 }
 
-// The surface seen at `position`, relative to the receiver; false where nothing is seen. Between four pixels whose depths
-// make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes;
+// The surface seen at `position`, relative to the receiver; false where nothing is seen. Between four pixels whose
+// depths make up one surface it is interpolated, in 1 / depth, in which a plane is linear, so that planes stay planes;
 // elsewhere it is the pixel's own point. One surface: depths within 16 widths of a pixel, which is a slope of 86
 // degrees.
 bool surface_at(Receiver receiver, vec2 position, out vec3 offset) {

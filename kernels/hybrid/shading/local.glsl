@@ -62,7 +62,7 @@ Paint paint_of(Surface surface, Material material, bool front) {
 #endif
 }
 
-// ---- positions where the model is evaluated ----------------------------------------------------------------------------
+// ---- positions where the model is evaluated -------------------------------------------------------------------------
 
 uint point_count() { return shading.interpolation == kInterpolateGouraud ? 3u : 1u; }
 

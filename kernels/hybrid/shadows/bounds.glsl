@@ -1,10 +1,10 @@
-// What is averaged of a distribution of depths, and the fraction of it that is not below some depth as far as the averages
-// tell: bounds. All depths here run from -1, the near end of a view, to 1, its far end.
+// What is averaged of a distribution of depths, and the fraction of it that is not below some depth as far as the
+// averages tell: bounds. All depths here run from -1, the near end of a view, to 1, its far end.
 #ifndef WAVEPATH_SHADOW_BOUNDS_GLSL
 #define WAVEPATH_SHADOW_BOUNDS_GLSL
 
-// Smallest variance (Donnelly and Lauritzen 2006), as a fraction of the second moment: what rounding of filtered moments
-// may take away from it.
+// Smallest variance (Donnelly and Lauritzen 2006), as a fraction of the second moment: what rounding of filtered
+// moments may take away from it.
 const float kLeastVariance = 1e-6;
 const float kMomentBias = 3e-6, kMomentBias16 = 6e-5; // towards a distribution that no rounding takes out of reach
 
@@ -46,8 +46,9 @@ vec4 four_moments(float depth) {
   return vec4(depth, square, square * depth, square * square);
 }
 
-// Fraction of the distribution that is below `depth` at the least, from four moments (Peters and Klein 2015, Hamburger's
-// moment problem). Of all distributions with these moments, the one with a part at `depth` and two others has it.
+// Fraction of the distribution that is below `depth` at the least, from four moments (Peters and Klein 2015,
+// Hamburger's moment problem). Of all distributions with these moments, the one with a part at `depth` and two others
+// has it.
 float hamburger(vec4 moments, float depth, float bias) {
   vec4 b = mix(moments, vec4(0.0, 0.375, 0.0, 0.375), bias);
   // Cholesky's decomposition of the Hankel matrix (1 b0 b1; b0 b1 b2; b1 b2 b3), which solves it for (1, depth,

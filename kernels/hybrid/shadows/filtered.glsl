@@ -21,6 +21,8 @@ vec4 filtered_at(Receiver r) {
 float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.0)); }
 
 // For bounds that the spread of the receiver's own depths in the filter lowers: in front of them all.
-float foremost_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, max(shadow.blur, 0.5))); }
+float foremost_depth(Receiver r) {
+  return unit_depth(r.view, unshadowed_depth(r, r.map_position, max(shadow.blur, 0.5)));
+}
 
 #endif

@@ -1,5 +1,5 @@
-// From points of triangles to positions in the atlas of a lightmap, and back. Include kernels/hybrid/shadows/bindings.glsl
-// first.
+// From points of triangles to positions in the atlas of a lightmap, and back. Include
+// kernels/hybrid/shadows/bindings.glsl first.
 #ifndef WAVEPATH_LIGHTMAP_GLSL
 #define WAVEPATH_LIGHTMAP_GLSL
 

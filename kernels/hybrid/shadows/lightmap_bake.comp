@@ -1,5 +1,5 @@
-// Bakes a lightmap: for every texel the fraction of a source's light that arrives at the point that the texel stands for,
-// by the rays that paths would send from there.
+// Bakes a lightmap: for every texel the fraction of a source's light that arrives at the point that the texel stands
+// for, by the rays that paths would send from there.
 // Push constant: first_pixel = first texel of this dispatch, row by row, pixel_count = how many, sample_count = the
 // source.
 #version 460

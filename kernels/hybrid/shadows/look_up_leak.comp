@@ -20,7 +20,8 @@ float lit_fraction(Receiver r) {
   for (int i = 0; i < 4; ++i) lit += texel_lights(r, corner + ivec2(i & 1, i >> 1)) ? 1u : 0u;
   if (lit != 0u && lit != 4u) return -1.0;
   // No more light than this reaches the filter's texels, but perhaps less.
-  float depth = unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.5)); // as of the texels: without, few are in no doubt
+  // as of the texels: without, few are in no doubt
+  float depth = unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.5));
   float bound = 1.0 - hamburger(filtered_at(r), depth, kMomentBias);
   if (lit == 4u) return bound > 1.0 - kDoubt ? 1.0 : -1.0;
   return bound < kDoubt ? 0.0 : -1.0;

@@ -1,5 +1,5 @@
-// Percentage-closer filtering (Reeves, Salesin and Cook 1987): the fraction of comparisons around the position that find
-// light.
+// Percentage-closer filtering (Reeves, Salesin and Cook 1987): the fraction of comparisons around the position that
+// find light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

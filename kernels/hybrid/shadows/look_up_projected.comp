@@ -19,7 +19,8 @@ vec3 cookie_texel(uvec2 size, ivec2 texel) {
 vec3 light_tint(Receiver r) {
   uvec2 size = floatBitsToUint(texelFetch(cookie, 0).xy);
   if (size.x == 0u || r.views.y != 1u) return vec3(1.0);
-  vec2 position = r.map_position / float(shadow.size) * vec2(size) - 0.5, corner = floor(position), at = position - corner;
+  vec2 position = r.map_position / float(shadow.size) * vec2(size) - 0.5, corner = floor(position),
+       at = position - corner;
   ivec2 texel = ivec2(corner);
   vec3 a = cookie_texel(size, texel), b = cookie_texel(size, texel + ivec2(1, 0));
   vec3 c = cookie_texel(size, texel + ivec2(0, 1)), d = cookie_texel(size, texel + ivec2(1, 1));

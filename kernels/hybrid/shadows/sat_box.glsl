@@ -16,8 +16,8 @@ uvec4 sat_at(Sat sat, ivec2 corner) {
   return shadow_scratch[sat.first + uint(corner.y - 1) * sat.size + uint(corner.x - 1)];
 }
 
-// Mean of (depth - about) and of its square over the box between two positions at least a texel apart, in steps. Texels at
-// its edges count by the part of them that is inside: of three strips along each axis, the outer ones are one texel
+// Mean of (depth - about) and of its square over the box between two positions at least a texel apart, in steps. Texels
+// at its edges count by the part of them that is inside: of three strips along each axis, the outer ones are one texel
 // wide.
 vec2 box_about(Sat sat, vec2 lo, vec2 hi, uint about) {
   float size = float(sat.size);

@@ -23,7 +23,8 @@ layout(local_size_x = kWorkgroupSize) in;
 bool found_layer(uint pixel_index, out vec4 light) {
   uint layer = texelFetch(layer_seen, int(pixel_index)).x;
   if (layer == kNone) return false;
-  uvec2 placed = texelFetch(layer_triangles, int(layer)).xy, pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width);
+  uvec2 placed = texelFetch(layer_triangles, int(layer)).xy,
+        pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width);
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
   light = layer_light(hit_of_triangle(placed.x, placed.y, origin, direction), pixel, origin, direction);

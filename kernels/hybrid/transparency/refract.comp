@@ -1,7 +1,7 @@
 // What is seen through the nearest transmitting surface, from the opaque picture alone: the ray is bent where it enters
-// a body and where it leaves it, whose position the picture of the next surface behind tells (after Wyman 2005); then it
-// goes on to the depth that the opaque picture has where it arrives. Beyond the picture's rim, and where it is empty,
-// is the environment.
+// a body and where it leaves it, whose position the picture of the next surface behind tells (after Wyman 2005); then
+// it goes on to the depth that the opaque picture has where it arrives. Beyond the picture's rim, and where it is
+// empty, is the environment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -83,7 +83,8 @@ void leave_body(uvec2 pixel, Vertex entry, inout vec3 origin, inout vec3 directi
 }
 
 vec3 refracted(uint first, uint pixel_index) {
-  uvec2 pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width), placed = texelFetch(layer_triangles, int(first)).xy;
+  uvec2 pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width),
+        placed = texelFetch(layer_triangles, int(first)).xy;
   vec3 eye, towards;
   hybrid_camera_ray(pixel, eye, towards);
   Hit hit = hit_of_triangle(placed.x, placed.y, eye, towards);
