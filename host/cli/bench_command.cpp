@@ -144,14 +144,13 @@ int run_bench(BenchCommandRequest& request) {
 } // namespace
 
 Command add_bench(CLI::App& app) {
-  CLI::App* command = add_command(app, "bench", "measure the kernels one by one, on a scene or on a built-in one");
+  CLI::App* command = add_command(app, "bench", "measure the speed of each kernel, in your scene or in a built-in one");
   const auto request = std::make_shared<BenchCommandRequest>();
   const char* group = "Measurement";
   add_flag(*command, group,
-           {"--repetitions", "N", "repetitions of every measurement. Rivals take turns, and medians count", "7"},
+           {"--repetitions", "N", "repetitions of every measurement, in turns. Medians are reported", "7"},
            [=](const FlagValue& value) { request->repetitions = value.whole_number(1, 1000); });
-  add_switch(*command, group,
-             {"--ablate", "", "measure what each feature that this scene leaves out would cost", "off"},
+  add_switch(*command, group, {"--ablate", "", "measure the cost of each feature that this scene does not use", "off"},
              request->ablate);
   add_switch(
       *command, group,
@@ -161,16 +160,17 @@ Command add_bench(CLI::App& app) {
       request->structures);
   add_switch(*command, group,
              {"--kernels", "",
-              "print what the driver's compiler makes of every kernel (registers, spills, occupancy, code size) and "
-              "measure nothing. The driver needs no hardware",
+              "print statistics of the driver's compiler for every kernel (registers, spills, occupancy, code size) "
+              "instead of measurements. Works without the GPU of the driver",
               "off"},
              request->kernels);
-  add_flag(*command, group, {"--baseline", "FILE.json", "earlier run, saved with --json, to compare with", "none"},
+  add_flag(*command, group, {"--baseline", "FILE.json", "result of an earlier run (--json), for a comparison", "none"},
            [=](const FlagValue& value) { request->baseline = value.text; });
-  add_flag(*command, group,
-           {"--threshold", "PERCENT", "drop of a rate since --baseline above which the exit code is 1", "10"},
-           [=](const FlagValue& value) { request->threshold = value.number(0.0, 1e6); });
-  add_flag(*command, "Output", {"--json", "FILE", "file for every number, as a JSON document", "not written"},
+  add_flag(
+      *command, group,
+      {"--threshold", "PERCENT", "largest drop of a rate since --baseline. With a larger one the exit code is 1", "10"},
+      [=](const FlagValue& value) { request->threshold = value.number(0.0, 1e6); });
+  add_flag(*command, "Output", {"--json", "FILE", "JSON file of all numbers", "not written"},
            [=](const FlagValue& value) { request->json = value.text; });
   add_switch(*command, "Output", {"-q,--quiet", "", "print no progress", "off"}, request->quiet);
   static constexpr HelpOverride kHelpOverrides[] = {{"size", nullptr, "480x270 on a CPU device, else 1920x1080"}};

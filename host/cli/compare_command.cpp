@@ -122,27 +122,26 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 } // namespace
 
 Command add_compare(CLI::App& app) {
-  CLI::App* command = add_command(app, "compare", "measure how far an image is from a reference",
-                                  "All metrics are of linear values, over pixels and RGB. Pictures of 8 and 16 "
-                                  "bits, such as .png and .jpg, are "
-                                  "decoded from sRGB first. FLIP is HDR-FLIP, or LDR-FLIP if both pictures have 8 or "
-                                  "16 bits. The peak of PSNR is the "
-                                  "largest value of the reference, or 1 for two such pictures.");
+  CLI::App* command = add_command(
+      app, "compare", "measure the difference between a picture and a reference",
+      "All metrics use linear values of all pixels and R, G, B. Pictures of 8 and 16 bits, such as .png and .jpg, are "
+      "first decoded from sRGB. FLIP is HDR-FLIP, or LDR-FLIP if both pictures have 8 or 16 bits. The peak of PSNR is "
+      "the largest value of the reference, or 1 if both pictures have 8 or 16 bits.");
   const auto request = std::make_shared<CompareCommandRequest>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   require(add_flag(*command, "Pictures",
-                   {"IMAGE", "FILE", "picture to judge: .exr, .hdr, .png, .jpg or another format"},
+                   {"IMAGE", "FILE", "picture to measure: .exr, .hdr, .png, .jpg or another format"},
                    keep(request->image)));
-  require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "picture that it should look like, of the same size"},
+  require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "reference picture of the same size"},
                    keep(request->reference)));
   add_flag(*command, "Output",
-           {"--map", "FILE.png", "picture of the FLIP error to write; black: equal, pale yellow: 1", "not written"},
+           {"--map", "FILE.png", "picture of the FLIP error to write. Black is 0, pale yellow is 1", "not written"},
            keep(request->map));
   add_flag(
       *command, "Output",
       {"--max", "METRIC=VALUE",
-       "limit of a metric; repeatable. Exit code 1 if the metric is larger: mse, relmse, mrse, relative_rms, flip, "
-       "max, p99.9"},
+       "limit of a metric: mse, relmse, mrse, relative_rms, flip, max, p99.9; repeatable. Exit code 1 if the metric is "
+       "larger"},
       [request](const FlagValue& value) { read_limit(value, request->limits); }, true);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return run_compare(*request); };

@@ -254,15 +254,16 @@ int run_scene(InfoCommandRequest& request) {
 
 Command add_info(CLI::App& app) {
   CLI::App* command =
-      add_command(app, "info", "list the Vulkan devices, or describe a scene and what a render of it needs");
+      add_command(app, "info", "list the Vulkan devices, or describe a scene and the memory that a render needs");
   const auto request = std::make_shared<InfoCommandRequest>();
   add_scene_flags(*command, request->scene, false);
   add_shutter_flag(*command, request->scene);
   add_settings_of_render(*command, request->render);
-  add_switch(*command, "Output",
-             {"--plan", "", "print what a render by these flags would do: each decision, why, and what its pilots take",
-              "off"},
-             request->plan);
+  add_switch(
+      *command, "Output",
+      {"--plan", "",
+       "print the plan of a render with these flags: each decision, its reason, and the size of its pilots", "off"},
+      request->plan);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return request->scene.path.empty() ? run_devices(*request) : run_scene(*request); };
 }

@@ -202,12 +202,11 @@ int run_merge(MergeCommandRequest& request) {
 } // namespace
 
 Command add_merge(CLI::App& app) {
-  CLI::App* command = add_command(
-      app, "merge", "join renders of disjoint sample ranges into one picture",
-      "Parts come from 'wavepath render --samples A:B', each with the --spp of the whole. Parts of one device join to "
-      "the "
-      "bits of the uninterrupted render, in any order. AOVs of first hits (albedo, normal, depth, position, emission, "
-      "direct) join to within rounding.");
+  CLI::App* command =
+      add_command(app, "merge", "join the parts of a split render into one picture",
+                  "Make the parts with 'wavepath render --samples A:B', each with the --spp of the whole. Parts of one "
+                  "device join to the bits of one render with --mergeable, in any order. AOVs of first hits (albedo, "
+                  "normal, depth, position, emission, direct) join to within rounding.");
   const auto request = std::make_shared<MergeCommandRequest>();
   require(add_flag(
       *command, "Pictures", {"PARTS", "FILE.exr", "parts of a render, two or more"},

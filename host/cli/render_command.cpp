@@ -26,7 +26,7 @@ int run_render(RenderCommandRequest& request) {
 } // namespace
 
 Command add_render(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = add_command(app, "render", "path-trace a glTF scene to a picture");
+  CLI::App* command = add_command(app, "render", "render a glTF scene to a picture");
   const auto request = std::make_shared<RenderCommandRequest>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);

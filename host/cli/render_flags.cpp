@@ -37,15 +37,15 @@ constexpr const char* heading_of(SettingGroup group) {
     case SettingGroup::lens:
       return "Camera";
     case SettingGroup::stop:
-      return "When to stop (the first one reached)";
+      return "End of the render (the limit that is reached first)";
     case SettingGroup::parts:
-      return "Parts of a render, and renders that go on";
+      return "Split and resumed renders";
     case SettingGroup::transport:
       return "Light transport";
     case SettingGroup::speed:
       return "Device and speed";
     case SettingGroup::decisions:
-      return "Sampling that wavepath chooses by itself";
+      return "Sampling (the defaults suit most scenes)";
     case SettingGroup::hybrid:
       return "Integrators hybrid and ao";
     case SettingGroup::shadows:
@@ -63,7 +63,7 @@ constexpr const char* heading_of(SettingGroup group) {
 }
 
 constexpr std::array kOfRender = {
-    HelpOverride{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
+    HelpOverride{.name = "integrator", .initial = "auto, or path if another flag needs it"}};
 
 const HelpOverride* find(std::span<const HelpOverride> help_overrides, std::string_view name) {
   const auto found = std::ranges::find(help_overrides, name, &HelpOverride::name);
@@ -145,33 +145,31 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
   add_settings(app, kByRender, SettingGroup::parts, request);
   const char* group = heading_of(SettingGroup::parts);
   add_switch(app, group,
-             {"--mergeable", "", "keep exact sums in .exr outputs, for 'wavepath merge'. --samples implies it", "off"},
+             {"--mergeable", "", "store exact sums in .exr outputs, for 'wavepath merge'. --samples implies it", "off"},
              request.mergeable);
   add_flag(app, group,
-           {"--checkpoint", "FILE",
-            "file for the exact state of the render. It is saved every 30 s, on interrupt and at the end", "none"},
+           {"--checkpoint", "FILE", "state file of the render, saved every 30 s, on interrupt and at the end", "none"},
            [&](const FlagValue& value) { request.state.file = value.text; });
   add_flag(app, group, {"--checkpoint-interval", "SECONDS", "time between saves of --checkpoint", "30", kAdvanced},
            [&](const FlagValue& value) { request.state.interval = value.number(0.0, 1e9); });
   add_switch(app, group,
              {"--resume", "",
-              "go on from --checkpoint, to the same bits as without the stop. If the file does not exist, the render "
-              "begins. A larger --spp goes on beyond the end, by what pilots found for the shorter render. --time "
-              "counts all rendering, before and after",
+              "continue from --checkpoint, to the same bits as without a stop. If the file does not exist, the render "
+              "starts anew. A larger --spp adds samples, with the decisions of the shorter render. --time counts the "
+              "time before and after the stop",
               "off"},
              request.state.resume);
 }
 
 void add_bvh_flag(CLI::App& app, RenderRequest& request) {
-  add_flag(
-      app, heading_of(SettingGroup::speed),
-      {"--bvh", "auto|fast|balanced|best",
-       "quality of the tree over the triangles. A better tree takes longer to build and renders the same image faster",
-       "auto: by the number of rays", kAdvanced},
-      [&](const FlagValue& value) {
-        const std::uint32_t chosen = value.choice(kBvhNames);
-        request.bvh = chosen ? std::optional(static_cast<bvh::Quality>(chosen - 1)) : std::nullopt;
-      });
+  add_flag(app, heading_of(SettingGroup::speed),
+           {"--bvh", "auto|fast|balanced|best",
+            "quality of the BVH. A better BVH takes longer to build and traces rays faster. The picture is the same",
+            "auto: by the number of rays", kAdvanced},
+           [&](const FlagValue& value) {
+             const std::uint32_t chosen = value.choice(kBvhNames);
+             request.bvh = chosen ? std::optional(static_cast<bvh::Quality>(chosen - 1)) : std::nullopt;
+           });
 }
 
 void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading) {
@@ -183,7 +181,7 @@ void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading)
 void add_devices_flag(CLI::App& app, RenderRequest& request) {
   add_flag(app, heading_of(SettingGroup::speed),
            {"--devices", "LIST|all",
-            "devices that render one picture together: names or indices as of --device, separated by commas", "one"},
+            "devices that render one picture together: names or indices as for --device, separated by commas", "one"},
            [&](const FlagValue& value) { request.devices = value.text; });
 }
 
@@ -192,55 +190,54 @@ void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_settings(app, command, SettingGroup::lens, request);
   add_flag(app, heading_of(SettingGroup::picture),
            {"--origin", "X,Y,Z",
-            "point of the scene where single precision is finest, in world units. It changes the last bits alone",
-            "the eye", kAdvanced},
+            "point of the scene where single precision is finest, in world units. It changes only last bits", "the eye",
+            kAdvanced},
            [&](const FlagValue& value) { request.origin = value.triple(); });
 }
 
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_transport_settings(app, command, request);
   if (command == kByRender)
-    add_switch(
-        app, heading_of(SettingGroup::transport),
-        {"--strict", "",
-         "refuse bias, except that of --max-depth, and leave out merging. Exit code 1 if any sample was not finite",
-         "off"},
-        request.strict);
+    add_switch(app, heading_of(SettingGroup::transport),
+               {"--strict", "",
+                "refuse everything biased except --max-depth; bidirectional leaves out merge. Exit code 1 if any "
+                "sample was not finite",
+                "off"},
+               request.strict);
   add_bvh_flag(app, request);
   add_device_flag(app, request);
 }
 
 void add_plan_flags(CLI::App& app, RenderRequest& request) {
-  const char* group = "What an earlier render decided";
+  const char* group = "Plan of an earlier render";
   add_flag(app, group,
            {"--plan", "FILE",
-            "take the decisions of an earlier render from its .exr, its --checkpoint or its --stats .json, and make no "
+            "use the decisions of an earlier render, from its .exr, its --checkpoint or its --stats .json, instead of "
             "pilots",
             "pilots decide"},
            [&](const FlagValue& value) { request.plan_file = value.text; });
   add_flag(app, group,
-           {"--training-paths", "N", "paths that train the choice of lights; 0 = as many as parts of a render have",
+           {"--training-paths", "N", "paths of the training on lights. 0: as many as in parts of a render",
             "by the length of the render", kAdvanced},
            [&](const FlagValue& value) { request.training_paths = value.whole_number(0, kMostTrainingPaths); });
-  add_flag(app, group,
-           {"--guide-iterations", "N", "training passes of --guide, each of twice as many paths as the one before",
-            "by the length of the render", kAdvanced},
-           [&](const FlagValue& value) { request.guide_iterations = value.whole_number(1, kMostGuideIterations); });
+  add_flag(
+      app, group,
+      {"--guide-iterations", "N", "iterations of the training of --guide", "by the length of the render", kAdvanced},
+      [&](const FlagValue& value) { request.guide_iterations = value.whole_number(1, kMostGuideIterations); });
 }
 
 void add_replay_flags(CLI::App& app, RenderRequest& request) {
-  const char* group = "One path instead of a picture";
-  add_flag(
-      app, group,
-      {"--pixel", "X,Y", "pixel, counted from the top left, of which one path is traced and printed. Needs --sample"},
-      [&](const FlagValue& value) {
-        const auto [x, y] = value.split(',', "write it as X,Y, such as 640,360");
-        request.pixel = glm::uvec2(x.whole_number(0, kLargestIndex), y.whole_number(0, kLargestIndex));
-      });
+  const char* group = "Trace of one path";
+  add_flag(app, group,
+           {"--pixel", "X,Y", "pixel, counted from the top left. Its path number --sample is traced and printed"},
+           [&](const FlagValue& value) {
+             const auto [x, y] = value.split(',', "write it as X,Y, such as 640,360");
+             request.pixel = glm::uvec2(x.whole_number(0, kLargestIndex), y.whole_number(0, kLargestIndex));
+           });
   add_flag(app, group, {"--sample", "N", "index of the path in the pixel. All other flags must be those of the render"},
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kLargestIndex); });
   add_flag(app, group,
-           {"--net", "N", "0, or 1 for the second stream of samples that probed pixels have", "0", kAdvanced},
+           {"--net", "N", "sample stream of the path. 0: of all pixels. 1: of error probes", "0", kAdvanced},
            [&](const FlagValue& value) { request.replicate = value.whole_number(0, 1); });
 }
 
@@ -249,8 +246,8 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
   options.exposure.reset();
   add_flag(app, group,
            {"--exposure", "EV|auto",
-            "stops by which tonemapped outputs are brightened. auto: brings the middle of the picture to a middle "
-            "grey, keeps highlights, and prints the value",
+            "exposure of tonemapped outputs, in stops. auto: a middle grey on average, but at most 5 % of the picture "
+            "above white; the value is printed",
             "auto"},
            [&](const FlagValue& value) {
              options.exposure = value.text == "auto" ? std::nullopt : std::optional(value.number(-64.0, 64.0));
@@ -274,21 +271,23 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   add_picture_output_flags(app, request, "SCENE-stem.exr");
+  add_flag(
+      app, group,
+      {"--stats", "FILE.json", "JSON file of all measurements, including the time to the first pixel", "not written"},
+      keep(request.stats));
   add_flag(app, group,
-           {"--stats", "FILE.json",
-            "file for everything that the run measured, as JSON, time to the first pixel included", "not written"},
-           keep(request.stats));
-  add_flag(app, group,
-           {"--reference", "FILE.exr", "picture to compare with: the true error at every checkpoint", "none"},
+           {"--reference", "FILE.exr", "converged picture. The true error is measured at every checkpoint", "none"},
            keep(request.reference));
-  add_flag(app, group,
-           {"--tev", "HOST[:PORT]", "viewer tev that gets the picture as it progresses. Without PORT: 14158", "off"},
-           keep(request.tev));
-  add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
+  add_flag(
+      app, group,
+      {"--tev", "HOST[:PORT]", "viewer tev, which shows the picture during the render. Without PORT: 14158", "off"},
+      keep(request.tev));
+  add_switch(app, group, {"--json", "", "print the stats as JSON on stdout", "off"}, request.json);
   add_switch(app, group, {"-q,--quiet", "", "print no progress and no summary", "off"}, request.quiet);
-  add_switch(app, group,
-             {"-v,--verbose", "", "print more on stderr: device, memory, seconds by stage, what is left out", "off"},
-             request.verbose);
+  add_switch(
+      app, group,
+      {"-v,--verbose", "", "print more on stderr: device, memory, decisions, seconds by stage, unused features", "off"},
+      request.verbose);
 }
 
 } // namespace wavepath

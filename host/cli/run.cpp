@@ -69,12 +69,11 @@ int run(int argument_count, const char* const* arguments) {
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer(
-      "'wavepath COMMAND --help' shows the flags of a command that most users need, --help-all every flag. Exit codes: "
-      "0 done, 1 the input or the machine failed, 2 "
-      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved), 141 the "
-      "reader of stdout is gone (files were written). "
-      "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
-      "WAVEPATH_CACHE=off leaves it out.");
+      "'wavepath COMMAND --help' shows the flags of a command that most users need, --help-all shows all flags. Exit "
+      "codes: 0 success, 1 failure of the input or the machine, 2 wrong usage, 3 --target-error not reached, 130 "
+      "interrupted (the result so far was saved), 141 stdout was closed (files were written). Compiled kernels are "
+      "kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath. WAVEPATH_CACHE=FOLDER selects another folder, "
+      "WAVEPATH_CACHE=off keeps none.");
   const std::string line = quote(argument_count, arguments);
   const std::map<std::string, Command> commands = {{"render", add_render(app, line)}, {"view", add_view(app, line)},
                                                    {"info", add_info(app)},           {"compare", add_compare(app)},

@@ -88,11 +88,11 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
            [&](const FlagValue& value) { request.load.at = value.number(-kLargest, kLargest); });
   add_flag(app, group,
            {"--env", "FILE|R,G,B|studio|sky|black|white",
-            "environment. FILE: a lat-long picture, whose centre is seen along world +X and its three-quarter column "
-            "along +Z, or a cube map of OpenEXR; docs/pictures.md lists the formats. R,G,B: constant radiance. studio: "
-            "soft boxes. sky: a clear sky with the sun. Under studio and sky a white floor has radiance 1",
-            "black for a file with a camera and lights or lamps, which is lit as authored. Else studio; for an "
-            "interior sky, or a lamp where it is closed and has no lights. Punctual lights of the file shine besides"},
+            "environment. FILE: a lat-long picture (its centre lies in direction +X, its three-quarter column in "
+            "direction +Z), or a cube map of OpenEXR; docs/pictures.md lists the formats. R,G,B: constant radiance. "
+            "studio: soft boxes. sky: a clear sky with a sun. With studio or sky a white floor has radiance 1",
+            "black for a file with a camera and lights. Other files: studio for objects, sky for open interiors, a "
+            "lamp for closed interiors; see docs/defaults.md"},
            [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the radiance of the environment", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
@@ -102,14 +102,14 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
       [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
   add_switch(app, group,
              {"--ground", "",
-              "add a matte floor under the lowest point. It catches shadows, is as bright as the environment below the "
-              "horizon, and fades out",
+              "add a matte floor under the lowest point. It receives shadows, has the brightness of the environment "
+              "below the horizon, and fades out",
               "off"},
              request.ground);
   add_flag(app, group,
            {"--sun", "AZIMUTH,ELEVATION",
-            "add a sun of pi lux. AZIMUTH: degrees from +X towards +Z. ELEVATION: degrees above the horizon. A scene "
-            "with it counts as lit",
+            "add a sun of pi lux, which gives a white floor radiance 1 at the zenith. AZIMUTH: degrees from +X towards "
+            "+Z. ELEVATION: degrees above the horizon. The scene then needs no default light",
             "none"},
            [&](const FlagValue& value) {
              const auto [azimuth, elevation] = value.split(',', "write it as AZIMUTH,ELEVATION, such as 60,40");
@@ -120,8 +120,8 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
 void add_shutter_flag(CLI::App& app, SceneRequest& request) {
   add_flag(app, "Scene",
            {"--shutter", "OPEN,CLOSE",
-            "motion blur: seconds in the animation between which light falls on the film. Vertices move along straight "
-            "lines; camera and lamps stay",
+            "motion blur between two moments of the animation, in seconds. Vertices move along straight lines. Camera "
+            "and lamps do not move",
             "none: the moment of --at"},
            [&](const FlagValue& value) {
              const auto [open, close] = value.split(',', "write it as OPEN,CLOSE, such as 0.5,0.52");
@@ -175,8 +175,8 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   };
   add_flag(app, group,
            {"--camera", "NAME|INDEX",
-            "glTF camera. No --size crops its view. A file without a camera is framed: an object from the front, an "
-            "interior from within",
+            "camera of the file. Its view is never cropped. A file without a camera gets a default view: an object from the "
+            "front, an interior from inside",
             "0"},
            [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,

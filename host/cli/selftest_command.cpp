@@ -24,13 +24,13 @@ int run_selftest(const SelftestCommandRequest& request) {
 } // namespace
 
 Command add_selftest(CLI::App& app) {
-  CLI::App* command = add_command(app, "selftest", "check hard numerical cases on this device and driver");
+  CLI::App* command = add_command(app, "selftest", "check difficult numerical cases on this device and driver");
   const auto request = std::make_shared<SelftestCommandRequest>();
   const char* group = "Cases";
   add_flag(
-      *command, group, {"--only", "NAME", "run only the cases whose name holds this; repeatable", "all"},
+      *command, group, {"--only", "NAME", "text in the names of the cases to run; repeatable", "all"},
       [=](const FlagValue& value) { request->only.push_back(value.text); }, true);
-  add_switch(*command, group, {"--full", "", "take the sample counts of the literature, which is much slower", "off"},
+  add_switch(*command, group, {"--full", "", "use the sample counts of the literature, which takes much longer", "off"},
              request->full);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   add_flag(*command, "Device",

@@ -264,7 +264,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
 } // namespace
 
 Command add_study(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = add_command(app, "study", "measure error against time for a grid of configurations");
+  CLI::App* command = add_command(app, "study", "measure error against time for a grid of settings");
   const auto request = std::make_shared<StudyCommandRequest>();
   request->command_line = command_line;
   StudySettings& study = request->study;
@@ -273,7 +273,7 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   const char* group = "Study";
   add_flag(*command, group,
            {"-o,--output", "DIR",
-            "folder for study.json, study.csv, report.html and pictures. It is made if its parent exists"},
+            "folder for study.json, study.csv, report.html and pictures. It is created if its parent exists"},
            [request](const FlagValue& value) { request->folder = value.text; })
       ->required();
   CLI::Option* vary = add_flag(
@@ -284,26 +284,26 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   add_switch(*command, group,
              {"--shadows", "",
               "vary every shadow technique that suits the scene, with maps of five sizes: errors by kind, milliseconds "
-              "to build and to look up. Stands for --vary shadows,shadow-size --max-depth 1",
+              "to build and to look up. Short for --vary shadows,shadow-size --max-depth 1",
               "off"},
              request->shadows)
       ->excludes(vary);
   add_flag(*command, group,
            {"--budget", "SECONDS",
-            "rendering time in seconds, all together. The reference takes half (a fifth where shadows vary); the rest "
-            "is divided evenly",
+            "total rendering time in seconds. The reference takes half of it (a fifth if shadows vary). The "
+            "configurations divide the rest equally",
             "60"},
            [&study](const FlagValue& value) { study.budget = value.positive_number(); });
   add_flag(*command, group,
-           {"--reference", "FILE.exr", "converged picture of the same view, to use instead of rendering one", "none"},
+           {"--reference", "FILE.exr", "converged picture of the same view. Without it, the study renders one", "none"},
            [request](const FlagValue& value) { request->reference = value.text; });
   add_flag(*command, group,
-           {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its part of the budget"},
+           {"--reference-spp", "N", "samples per pixel of the reference", "as many as its part of the budget allows"},
            [&study](const FlagValue& value) { study.reference_spp = value.whole_number(2, 1 << 24); });
   static constexpr HelpOverride kHelpOverrides[] = {
       {"size", nullptr, "256x256"},
       {"filter", nullptr, "box, or what the reference has"},
-      {"max-depth", "longest path in bounces, that of the reference too"},
+      {"max-depth", "longest path in bounces, also of the reference"},
       {"seed", "seed of the first sample count. The other counts and the reference have their own", nullptr,
        kHighestSeed}};
   for (const SettingGroup settings :

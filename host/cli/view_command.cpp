@@ -261,29 +261,30 @@ int run_view(ViewCommandRequest& request) {
 void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
   const char* group = "Window";
   static constexpr HelpOverride kHelpOverrides[] = {
-      {"spp", "samples per pixel after which rendering ends", "65536", kMostFrames},
+      {"spp", "samples per pixel at which rendering ends", "65536", kMostFrames},
       {"target-error",
-       "estimated relative RMS error to reach; 0.01 is 1 %. The window tells how "
-       "long that takes, and stops there unless "
-       "--frames is given"}};
+       "estimated relative RMS error to reach; 0.01 is 1 %. The window shows the remaining time, and stops rendering "
+       "there unless --frames is given"}};
   add_settings(app, kByView, SettingGroup::stop, request.render, kHelpOverrides, group);
   add_flag(app, group,
            {"--show", "WHAT",
-            "quantity that is shown first: color, albedo, normal, depth, position, direct, indirect, emission, "
-            "samples, variance, error, ao (of hybrid frames), roughness, metallic, triangles, instances, materials, or "
-            "shadow-error (of hybrid: falsely lit in orange, falsely dark in blue)",
+            "first display: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance, "
+            "error, ao (hybrid only), roughness, metallic, triangles, instances, materials, or shadow-error (hybrid "
+            "only: falsely lit in orange, falsely dark in blue)",
             "color"},
            [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
   add_flag(
       app, group,
       {"--split", "X",
-       "fraction of the width, 0 to 1, from which on the shadows of --against are shown. Only with --integrator hybrid",
+       "position of a line, 0 to 1 of the width. The shadows of --against are shown right of it. Only with "
+       "--integrator hybrid",
        "none"},
       [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
   add_flag(
-      app, group, {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
+      app, group,
+      {"--against", "NAME", "shadow technique for the comparison by --split and --show shadow-error", "traced"},
       [&](const FlagValue& value) { request.comparison.against = value.choice(choices_of(setting_named("shadows"))); });
-  add_flag(app, group, {"--frames", "N", "samples per pixel after which the window closes", "none: it stays open"},
+  add_flag(app, group, {"--frames", "N", "samples per pixel at which the window closes", "none: it stays open"},
            [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });
   add_flag(app, group,
            {"--screenshot", "FILE",
@@ -294,7 +295,7 @@ void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
 } // namespace
 
 Command add_view(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = add_command(app, "view", "show a scene in a window while it is path-traced");
+  CLI::App* command = add_command(app, "view", "render a scene in a window");
   const auto request = std::make_shared<ViewCommandRequest>();
   request->command_line = command_line;
   add_window_flags(*command, *request);

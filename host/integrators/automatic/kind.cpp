@@ -35,7 +35,7 @@ const IntegratorKind& automatic_integrator() {
   static const IntegratorKind kAutomatic = [] {
     IntegratorKind kind = kPath;
     kind.name = "auto";
-    kind.summary = "short pilots of path, path --guide and bidirectional, of which the best renders";
+    kind.summary = "the best of path, path --guide and bidirectional, by short discarded renders (pilots)";
     kind.settings = kSettings;
     kind.candidates = candidates;
     return kind;

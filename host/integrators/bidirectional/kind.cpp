@@ -62,7 +62,7 @@ double work(const RenderPlan&, const RayCounts& rays, bool) {
 
 constinit const IntegratorKind kBidirectional = {
     .name = "bidirectional",
-    .summary = "paths from the camera joined with paths from the lights in every way",
+    .summary = "paths from the camera and from lights, joined in all ways; photons for caustics",
     .settings = kSettings,
     .lacks_aovs = kLackedAovs,
     .nests_bodies = true,

@@ -292,7 +292,7 @@ std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) 
 
 constinit const IntegratorKind kHybrid = {
     .name = "hybrid",
-    .summary = "first hits rasterized or traced, then traced direct light and ambient occlusion",
+    .summary = "real-time frames of rasterized or traced first hits, direct light and ambient occlusion",
     .settings = kHybridSettings,
     .aovs = kAovs,
     .traces_paths = false,
@@ -322,7 +322,7 @@ constinit const IntegratorKind kHybrid = {
 
 constinit const IntegratorKind kAo = {
     .name = "ao",
-    .summary = "ambient occlusion alone",
+    .summary = "only ambient occlusion",
     .settings = kAoSettings,
     .aovs = kAovs,
     .finds_light = false,

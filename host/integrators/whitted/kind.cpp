@@ -44,7 +44,7 @@ std::vector<OmittedStage> omitted(const RenderPlan&) {
 
 constinit const IntegratorKind kWhitted = {
     .name = "whitted",
-    .summary = "Whitted's ray tracer: direct light, mirrors and glass",
+    .summary = "Whitted's ray tracer, with direct light, mirrors and glass",
     .settings = kSettings,
     .walks_light_tree = false,
     .passes_panes = true,

@@ -123,22 +123,21 @@ std::vector<Setting> lens_rows() {
   std::vector<Setting> rows = {
       {.name = "aperture",
        .value = NumberValue{nullptr, 0.0, kFarthestFocus, &Lens::aperture},
-       .meaning = "diameter of the aperture of a thin lens, in metres of the scene: focal length / f-number. What is "
-                  "out of focus is blurred. 0 is a pinhole, which keeps everything sharp",
+       .meaning = "diameter of the aperture of a thin lens, in metres of the scene: focal length / f-number. 0: a "
+                  "pinhole, everything is sharp",
        .placeholder = "METRES",
        .label = "aperture, metres"},
       {.name = "focus",
        .value =
            SpecialValue{read_focus,
                         [](const S& s) { return s.lens.focus ? fmt::format("{}", *s.lens.focus) : std::string(); }},
-       .meaning = "distance along the view axis that --aperture keeps sharp, in metres. auto: what the middle of the "
-                  "picture shows",
+       .meaning = "distance to the sharp plane of --aperture, in metres along the view axis. auto: distance of the "
+                  "surface in the middle of the picture",
        .placeholder = "METRES|auto",
        .initial = "auto"},
       {.name = "blades",
        .value = SpecialValue{read_blades, [](const S& s) { return fmt::format("{}", s.lens.blades); }},
-       .meaning =
-           "corners of the aperture, a regular polygon within the circle of diameter --aperture. 0 is the whole disc",
+       .meaning = "corners of the aperture: a regular polygon in the circle of diameter --aperture. 0: a disc",
        .placeholder = "N",
        .initial = "0"},
   };
@@ -188,7 +187,7 @@ std::vector<Setting> transport_rows() {
        .label = "integrator"},
       {.name = "sampler",
        .value = ChoiceValue{&S::sampler, kSamplerNames},
-       .meaning = "random numbers of the samples. sobol: Owen-scrambled Sobol points",
+       .meaning = "kind of random numbers. sobol: Owen-scrambled Sobol points",
        .offered = kByRenderAndView | kByBench,
        .label = "sampler",
        .study = {"independent", "stratified", "sobol"}},
@@ -204,10 +203,10 @@ std::vector<Setting> transport_rows() {
        .study = {"bsdf", "nee", "mis"}},
       {.name = "lights",
        .value = ChoiceValue{&S::lights, kLightSelectionNames},
-       .meaning = "choice of the light that a light sample goes to. power: in proportion to power. tree: by a light "
-                  "tree, which bounds what each light contributes. learned: by what a pilot measured near each point, "
-                  "for parts of an environment map or of a sky as well; the pilot's samples are discarded. auto: "
-                  "learned under an environment map or with many lights in many places, else power",
+       .meaning = "method to pick the light of a light sample. power: in proportion to power. tree: by a light tree, "
+                  "from bounds on the contribution of each light. learned: by probabilities that a discarded pilot "
+                  "learned for each part of the scene, also for regions of an environment map or of a sky. auto: "
+                  "learned with an environment map or with many lights in many places, else power",
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_ignored,
@@ -216,8 +215,8 @@ std::vector<Setting> transport_rows() {
       {.name = "light-samples",
        .value = ChoiceValue{&S::light_samples, kLightSamplesNames},
        .meaning = fmt::format(
-           "light samples where a path first scatters; half as many at each later bounce. auto: {} under an "
-           "environment map, or {} there if materials have layers or lights a tree; else 1",
+           "light samples at the first vertex where a path scatters; half as many at each later vertex. auto: {} with "
+           "an environment map ({} if there are layered materials or a light tree too), else 1",
            kLightSamplesOfMaps, kFewLightSamplesOfMaps),
        .group = SettingGroup::decisions,
        .advanced = true,
@@ -227,10 +226,9 @@ std::vector<Setting> transport_rows() {
        .study = {"1", "2", "4", "8"}},
       {.name = "sky-samples",
        .value = ChoiceValue{&S::sky_samples, kLightSamplesNames},
-       .meaning = "directions in which each vertex looks for a sky of one colour, the path's own among them. With "
-                  "--lights learned the others go where the sky was seen, and their number halves at each bounce. "
-                  "auto: the number that a discarded pilot measured to be best, in renders that are long enough, else "
-                  "1. At most 9 less the light samples",
+       .meaning = "rays from each vertex to a sky of one colour, including the scattered ray. With --lights learned "
+                  "the additional rays prefer visible regions of the sky, and later vertices have half as many. auto: "
+                  "the best number by a discarded pilot; 1 in short renders. At most 9 minus the light samples",
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_ignored,
@@ -239,9 +237,8 @@ std::vector<Setting> transport_rows() {
        .study = {"1", "2", "4", "8"}},
       {.name = "reuse",
        .value = ChoiceValue{&S::reuse, kReuseNames, "on"},
-       .meaning = "path reuse: four neighbouring pixels share the light that their paths find after the first diffuse "
-                  "surface. Weights keep the picture the same on average. auto: on where a discarded pilot measures a "
-                  "gain. --reuse alone means on",
+       .meaning = "path reuse: four neighbouring pixels use the indirect light of diffuse surfaces that each other's "
+                  "paths found. Unbiased. auto: on if a discarded pilot measures a gain. --reuse alone means on",
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
@@ -260,52 +257,52 @@ std::vector<Setting> transport_rows() {
        .study = {"uniform", "cosine"}},
       {.name = "guide",
        .value = SwitchValue{&S::guide},
-       .meaning = "path guiding: a pilot learns where light comes from, and paths go there more often. Where it "
-                  "promises no gain, paths stay unguided. Unbiased: the pilot's samples are discarded",
+       .meaning = "path guiding: a discarded pilot learns the directions of light, and paths prefer these directions. "
+                  "Unbiased. If the pilot predicts no gain, paths are not guided",
        .supported_by = SupportedBy::listed_else_refused,
        .offered = kByRender,
        .study = {"off", "on"}},
       {.name = "max-depth",
        .value = WholeValue{&S::max_depth, 0, kDeepest},
-       .meaning = "longest path in bounces. 0: emission seen directly. 1: direct light as well",
+       .meaning = "longest path in bounces. 0: only emission that the camera sees. 1: also direct light",
        .placeholder = "N",
        .offered = kByAll,
        .label = "bounces, most"},
       {.name = "seed",
        .value = WholeValue{&S::seed, 0, kMostSamples},
-       .meaning = "seed of the random numbers. The same seed gives the same bits, another seed other noise",
+       .meaning = "seed of the random numbers. The same seed gives the same bits; another seed gives other noise",
        .placeholder = "N",
        .offered = kByAll,
        .label = "seed"},
       {.name = "cull",
        .value = ChoiceValue{&S::cull, kCullNames},
-       .meaning = "rays that pass through single-sided surfaces from behind. camera: those of the camera. all: all "
-                  "rays, so that such surfaces cast no shadow backwards. none: no rays",
+       .meaning = "rays that pass through the backs of single-sided surfaces. camera: only camera rays. all: all rays, "
+                  "so light from behind casts no shadow. none: no ray",
        .offered = kByAll,
        .label = "pass backs"},
       {.name = "traversal",
        .value = ChoiceValue{&S::traversal, kTraversalNames},
-       .meaning = "way to trace rays. compute: compute kernels. hardware: the device's ray queries. auto: hardware "
-                  "where the device has units for it. Of surfaces at the same place the two may hit different ones",
+       .meaning = "method to trace rays. compute: compute kernels. hardware: ray queries of the device. auto: hardware "
+                  "if the device has ray tracing units. The two may hit different surfaces where surfaces coincide",
        .group = SettingGroup::speed,
        .advanced = true,
        .decides = Decides::nothing,
        .offered = kByAll},
       {.name = "textures",
        .value = ChoiceValue{&S::textures, kTextureFilterNames},
-       .meaning = "texture filtering. exact: single precision, with the same bits on every device. hardware: textures "
-                  "of 8 bits by the device's samplers, whose weights have 8 bits too, which is biased",
+       .meaning = "texture filtering. exact: by kernels, in single precision, with the same bits on every device. "
+                  "hardware: by the device's samplers for 8-bit textures; their weights have 8 bits, which is biased",
        .offered = kByAll,
        .study = {"exact", "hardware"}},
       {.name = "terminator",
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
-       .meaning = "start of rays that leave a coarse mesh with smooth normals. facets: the triangles of the file, "
-                  "which may show hard lines where light grazes. smooth: the smooth surface that they stand for",
+       .meaning = "start of rays on coarse meshes with smooth normals. facets: on the triangles, which may show hard "
+                  "shadow steps at grazing light. smooth: on the smooth surface, which is biased",
        .supported_by = SupportedBy::listed_else_refused,
        .offered = kByAll},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
-       .meaning = "compile kernels without what the scene does not need. off gives the same image, slower",
+       .meaning = "kernels compiled for the features of the scene. off: generic kernels, same picture, slower",
        .group = SettingGroup::speed,
        .advanced = true,
        .decides = Decides::nothing,
@@ -324,7 +321,7 @@ std::vector<Setting> stop_rows() {
        .value = WholeValue{&S::sample_total, 1, kMostSamples, &S::last_sample},
        .meaning = "samples per pixel",
        .placeholder = "N",
-       .initial = "64; 65536 where only --time or --target-error is given",
+       .initial = "64; 65536 if only --time or --target-error is given",
        .group = SettingGroup::stop,
        .offered = kByRenderAndView,
        .always_copied = true,
@@ -332,7 +329,7 @@ std::vector<Setting> stop_rows() {
        .identity = spp_identity},
       {.name = "time",
        .value = PositiveValue{&S::time_limit},
-       .meaning = "rendering time in seconds, without loading and compiling",
+       .meaning = "longest rendering time in seconds, without loading and compiling",
        .placeholder = "SECONDS",
        .initial = "no limit",
        .group = SettingGroup::stop,
@@ -349,8 +346,8 @@ std::vector<Setting> stop_rows() {
       // Renders of several ranges are parts of one picture, so that they share its identity.
       {.name = "samples",
        .value = SpecialValue{read_samples, samples_text},
-       .meaning = "range of sample indices A <= s < B to render, for splitting and merging. Every part needs the --spp "
-                  "of the whole",
+       .meaning = "range of sample indices A <= s < B: a part of a render, for 'wavepath merge'. Every part needs the "
+                  "--spp of the whole",
        .placeholder = "A:B",
        .initial = "0:spp",
        .group = SettingGroup::parts,
@@ -358,9 +355,9 @@ std::vector<Setting> stop_rows() {
        .identity = [](const S&) { return std::string(); }},
       {.name = "adaptive",
        .value = ChoiceValue{&S::adaptive, kAdaptiveNames, "on"},
-       .meaning = "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot's "
-                  "samples are discarded. auto: on where it pays, in renders of 4 samples or more, but never in parts "
-                  "of a render. --adaptive alone means on",
+       .meaning = "adaptive sampling: more samples where a discarded pilot finds more noise. --spp is then the "
+                  "average. Unbiased. auto: on if the pilot predicts a gain, from 4 samples on, but never in parts of "
+                  "a render. --adaptive alone means on",
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
@@ -372,9 +369,9 @@ std::vector<Setting> special_rows() {
   std::vector<Setting> rows = {
       {.name = "first-hit",
        .value = ChoiceValue{&S::first_hit, kFirstHitNames},
-       .meaning = "way to find what pixels see. raster: rasterization. traced: camera rays. auto: raster, but traced "
-                  "on CPUs where the scene has more triangles than the picture has pixels, and on NVIDIA's Hopper "
-                  "cards, which rasterize slowly",
+       .meaning = "method to find the visible surfaces. raster: rasterization. traced: camera rays. auto: raster; "
+                  "traced on CPUs if the scene has more triangles than the picture has pixels, and on NVIDIA's Hopper "
+                  "GPUs, which rasterize slowly",
        .group = SettingGroup::hybrid,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_ignored,
@@ -391,8 +388,8 @@ std::vector<Setting> special_rows() {
        .study = {"1", "4", "16"}},
       {.name = "ao-samples",
        .value = WholeValue{&S::ao_samples, 1, kMostFrameRays},
-       .meaning = "occlusion rays for each sample of a pixel, cosine-weighted and stratified. With --occlusion ssao: "
-                  "points; hbao: directions; gtao: slices",
+       .meaning = "occlusion rays for each sample of a pixel, cosine-weighted and stratified. With --occlusion ssao "
+                  "they are points, with hbao directions, with gtao slices",
        .placeholder = "N",
        .group = SettingGroup::hybrid,
        .advanced = true,
@@ -401,7 +398,7 @@ std::vector<Setting> special_rows() {
        .study = {"1", "4", "16"}},
       {.name = "ao-radius",
        .value = OptionalNumberValue{&S::ao_radius, 0.0, kFarthest},
-       .meaning = "distance in metres beyond which nothing occludes. 0: no limit",
+       .meaning = "largest distance of an occluder, in metres. 0: no limit",
        .placeholder = "METRES",
        .initial = "a tenth of the scene's radius; 0 for --integrator ao with rays",
        .group = SettingGroup::hybrid,
@@ -409,7 +406,7 @@ std::vector<Setting> special_rows() {
        .supported_by = SupportedBy::listed_else_refused},
       {.name = "ambient",
        .value = RadianceValue{&S::ambient, kMostRadiance},
-       .meaning = "radiance that stands for all light of more than one bounce. --max-depth 1 leaves it out",
+       .meaning = "constant radiance in place of all light of more than one bounce. --max-depth 1 leaves it out",
        .placeholder = "R,G,B",
        .initial = "hybrid: estimated from the direct light in the picture; whitted: black",
        .group = SettingGroup::hybrid,
@@ -418,7 +415,7 @@ std::vector<Setting> special_rows() {
       {.name = "branching",
        .value = ChoiceValue{&S::branching, kBranchingNames},
        .meaning =
-           "rays that follow at mirrors and glass. tree: reflection and refraction. choice: one of them, at random",
+           "rays that mirrors and glass send on. tree: reflection and refraction. choice: one of them, at random",
        .group = SettingGroup::others,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
@@ -426,8 +423,9 @@ std::vector<Setting> special_rows() {
        .study = {"tree", "choice"}},
       {.name = "techniques",
        .value = SpecialValue{read_techniques, techniques_text},
-       .meaning = fmt::format("ways to find light, separated by commas: {}. Light that none of them finds is missing",
-                              fmt::join(kTechniqueNames, ", ")),
+       .meaning =
+           fmt::format("techniques to find light, separated by commas: {}. Light that none of them finds is missing",
+                       fmt::join(kTechniqueNames, ", ")),
        .placeholder = "LIST",
        .initial = "all",
        .group = SettingGroup::others,
@@ -435,7 +433,7 @@ std::vector<Setting> special_rows() {
        .supported_by = SupportedBy::listed_else_refused},
       {.name = "cutoff",
        .value = NumberValue{&S::cutoff, 0.0, 1.0},
-       .meaning = "weight up to which rays are not followed. 0: all are followed",
+       .meaning = "weight of a ray at or below which it is not followed. 0: all rays are followed",
        .placeholder = "W",
        .initial = "0.00390625 (1/256)",
        .group = SettingGroup::others,
@@ -443,8 +441,8 @@ std::vector<Setting> special_rows() {
        .supported_by = SupportedBy::listed_else_refused},
       {.name = "mips",
        .value = OnOffValue{&S::mips},
-       .meaning = "mip levels of textures, in frames of one sample per pixel and in a window while the camera moves. "
-                  "They keep distant textures calm, and are biased. Renders of more samples never use them",
+       .meaning = "mip levels of textures, in pictures of one sample per pixel and in a window while the camera moves. "
+                  "They reduce the noise of distant textures, and are biased",
        .group = SettingGroup::hybrid,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
@@ -453,9 +451,9 @@ std::vector<Setting> special_rows() {
                                                                     : "off"); }},
       {.name = "denoise",
        .value = ChoiceValue{&S::denoise, kDenoiseNames, "on"},
-       .meaning = "noise filter, which is biased. hybrid and ao filter every frame, over space and time. The others "
-                  "filter the finished picture; an EXR then holds channels denoised.R,G,B beside R,G,B. oidn: Intel's "
-                  "Open Image Denoise, if it is installed",
+       .meaning = "noise filter, which is biased. It filters the finished picture; an EXR then has denoised.R,G,B as "
+                  "well as R,G,B. hybrid and ao instead filter every frame, over space and time. oidn: Intel's Open "
+                  "Image Denoise, if it is installed",
        .placeholder = "[oidn]",
        .group = SettingGroup::picture,
        .supported_by = SupportedBy::listed_else_refused,

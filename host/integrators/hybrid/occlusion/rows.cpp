@@ -19,21 +19,21 @@ std::vector<Setting> occlusion_rows() {
   return {
       {.name = "occlusion",
        .value = ChoiceValue{&S::occlusion, names},
-       .meaning = fmt::format(
-           "technique for ambient occlusion. traced: rays. The others look at the depths in the picture: {}",
-           fmt::join(std::span(names).subspan(1), ", ")),
+       .meaning =
+           fmt::format("technique for ambient occlusion. traced: rays. The others use the depths of the picture: {}",
+                       fmt::join(std::span(names).subspan(1), ", ")),
        .placeholder = "NAME",
        .label = "occlusion",
        .study = names},
       {.name = "ao-bias",
        .value = NumberValue{&S::ao_bias, 0.0, kMostAoBias},
-       .meaning = "elevation in degrees over the tangent plane up to which --occlusion hbao sees no occluder",
+       .meaning = "--occlusion hbao: smallest elevation of an occluder over the tangent plane, in degrees",
        .placeholder = "DEGREES",
        .study = {"0", "10", "30"}},
       {.name = "ao-thinness",
        .value = NumberValue{&S::ao_thinness, 0.0, 1.0},
-       .meaning =
-           "fraction by which --occlusion gtao lowers a horizon for surfaces behind a body. 0: bodies have no back",
+       .meaning = "--occlusion gtao: fraction by which surfaces behind an occluder lower its horizon. 0: occluders "
+                  "have infinite depth",
        .placeholder = "FRACTION",
        .study = {"0", "0.1", "0.5"}},
   };

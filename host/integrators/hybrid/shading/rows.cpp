@@ -48,14 +48,14 @@ std::vector<Setting> shading_rows() {
   return {
       {.name = "shading",
        .value = ChoiceValue{&S::shading, names},
-       .meaning = "reflection of direct light by what the camera sees. gltf: the material of the file. The others: "
-                  "classic models",
+       .meaning =
+           "model of direct light on visible surfaces. gltf: the material of the file. The others: classic models",
        .label = "shading",
        .study = names},
       {.name = "interpolation",
        .value = ChoiceValue{&S::interpolation, kInterpolationNames},
-       .meaning = "where a classic model of --shading is evaluated. flat: once per face. gouraud: at its corners. "
-                  "phong: in every pixel",
+       .meaning = "positions at which a classic model of --shading is evaluated. flat: once per face. gouraud: at its "
+                  "corners. phong: in every pixel",
        .label = "interpolation",
        .study = {"flat", "gouraud", "phong"}},
       {.name = "shininess",
@@ -65,7 +65,7 @@ std::vector<Setting> shading_rows() {
        .initial = "from the material's roughness"},
       {.name = "attenuation",
        .value = SpecialValue{read_attenuation, attenuation_text},
-       .meaning = "falloff of lights with the distance d in a classic model. physical: 1 / d^2. Else 1 / (CONST + "
+       .meaning = "falloff of lights with the distance d in a classic model. physical: 1 / d^2. Numbers: 1 / (CONST + "
                   "LINEAR d + QUADRATIC d^2)",
        .placeholder = "physical|CONST,LINEAR,QUADRATIC",
        .initial = "physical"},

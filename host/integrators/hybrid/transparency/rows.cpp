@@ -21,7 +21,7 @@ std::vector<Setting> transparency_rows() {
        .study = names},
       {.name = "transparency-layers",
        .value = WholeValue{&S::transparency_layers, 1, kMostLayers},
-       .meaning = "layers that are peeled off in front of the opaque surface",
+       .meaning = "number of layers that are peeled off in front of the opaque surface",
        .placeholder = "N",
        .label = "layers",
        .study = {"1", "2", "4", "8"}},
