@@ -173,12 +173,13 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   const auto triple = [](std::optional<glm::dvec3>& target) {
     return [&target](const FlagValue& value) { target = value.triple(); };
   };
-  add_flag(app, group,
-           {"--camera", "NAME|INDEX",
-            "camera of the file. Its view is never cropped. A file without a camera gets a default view: an object from the "
-            "front, an interior from inside",
-            "0"},
-           [&](const FlagValue& value) { request.camera = value.text; });
+  add_flag(
+      app, group,
+      {"--camera", "NAME|INDEX",
+       "camera of the file. Its view is never cropped. A file without a camera gets a default view: an object from the "
+       "front, an interior from inside",
+       "0"},
+      [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
            {"--eye", "X,Y,Z", "position of a camera of your own, in world units (metres)", "the chosen camera's"},
            triple(request.eye));
