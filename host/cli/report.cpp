@@ -25,7 +25,7 @@ namespace {
 std::string halving_text(const RenderResult& result) {
   const double growth = growth_for(2.0, result.slope);
   if (!(result.error.relative_rms > 0.0) || !std::isfinite(growth)) return {};
-  return fmt::format("; half of it takes about {} more", duration_text(result.seconds * (growth - 1.0)));
+  return fmt::format("; half of this error takes about {} more", duration_text(result.seconds * (growth - 1.0)));
 }
 
 void print_summary(const Run& run, const OutputRequest& output) {
