@@ -305,6 +305,26 @@ class Structure(unittest.TestCase):
                     with self.subTest(file=name(path), line=number):
                         self.assertLessEqual(len(line), 120)
 
+    def test_documents_are_easy_to_read(self):
+        """Prose keeps the width of code, no sentence hangs on a noun elsewhere, and few are long."""
+        def prose(text):
+            text = re.sub(r"```.*?```", "", text, flags=re.S)
+            return [line for line in text.split("\n") if not line.lstrip().startswith(("|", "!["))]
+
+        fragment = re.compile(r"(?:^|(?<=[.:] )|(?<=\*\* ))(?:Of|What|Whether|Which|Who)\b[^.?]*\.")
+        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/NOTES.md"]:
+            lines = prose((ROOT / document).read_text())
+            with self.subTest(document=document):
+                self.assertEqual([line for line in lines if len(line) > 120], [])
+                if document.endswith("NOTES.md"):  # a log in the words of its days
+                    continue
+                for paragraph in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", "\n".join(lines)):
+                    text = " ".join(re.sub(r"^\s*(?:[-*]|\d+\.) ", "", paragraph).split())
+                    self.assertIsNone(fragment.search(text), text)
+                    longest = max(re.split(r"(?<=[.?!;:]) ", text), key=lambda sentence: len(sentence.split()))
+                    self.assertLessEqual(len(longest.split()), 40, longest)
+        self.assertLessEqual((ROOT / "CHANGELOG.md").read_text().count("\n"), 40, "0.1.0 is no history")
+
     def test_nothing_names_a_machine(self):
         for path in text_files():
             with self.subTest(file=name(path)):
