@@ -1,4 +1,4 @@
-// Ends a render: writes the pictures, measures what a report tells besides, and reports.
+// Ends a render: writes the pictures, makes the measurements that only the report needs, and reports.
 #pragma once
 
 #include "host/cli/render_run.h"

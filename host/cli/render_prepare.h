@@ -1,4 +1,4 @@
-// A scene that is ready to be rendered: on its devices, planned.
+// Preparation of a render: opens the devices, loads and packs the scene, makes the plan.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@
 
 namespace wavepath {
 
-// One of --devices besides the first.
+// A device of --devices other than the first.
 struct OtherDevice {
   std::unique_ptr<Device> device;
   std::unique_ptr<KernelCompiler> kernels;
@@ -28,22 +28,22 @@ struct Prepared {
   std::unique_ptr<Device> device;
   std::unique_ptr<KernelCompiler> kernels;
   std::vector<OtherDevice> others;
-  std::unique_ptr<TevViewer> viewer; // of --tev
+  std::unique_ptr<TevViewer> viewer; // of --tev; null without
   View view;
   std::optional<MemoryCheck> memory;
   PackedScene packed;
-  SceneOnDevice on_device; // on `device`
+  SceneOnDevice on_device; // the scene as uploaded to `device`, shared by pilots and render
   Plan plan;
-  std::uint64_t scene_hash = 0; // where the identity needs it
-  std::string identity;         // of the render as it is planned; empty where nothing needs it
+  std::uint64_t scene_hash = 0; // hash of the loaded scene; 0 where no identity is needed
+  std::string identity;         // identity (identity.h) of the planned render; empty unless sums or a state are written
   Warnings warnings;
-  double load_seconds = 0.0; // without building the BVH
+  double load_seconds = 0.0; // seconds of loading and packing, without those of building the BVH
 };
 
-// Opens the device, loads the scene, compiles and packs. Throws Error.
+// Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
 Prepared prepare(const RenderCommandRequest& request);
 
-// Decides what the render is going to do, makes the pilots for it, and tells what they found. Throws Error.
+// Makes the pilots and the plan (host/plan/plan.h), and prints the decisions that a user should know. Throws Error.
 void plan_render(const RenderCommandRequest& request, Prepared& prepared);
 
 } // namespace wavepath

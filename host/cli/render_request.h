@@ -1,5 +1,4 @@
-// What `wavepath render` is asked for, and what of it cannot work: refused before the time of loading and rendering is
-// spent.
+// The request of `wavepath render`, complete and checked: what cannot work is refused before the scene is loaded.
 #pragma once
 
 #include <optional>
@@ -18,17 +17,18 @@ struct RenderCommandRequest {
   RenderRequest render;
   OutputRequest output;
   std::string command_line;
-  std::optional<PlanRecord> recorded; // of --plan
+  std::optional<PlanRecord> recorded; // decisions read from the file of --plan; empty without --plan
 };
 
 // Every file that the command writes.
 std::vector<std::string> targets_of(const RenderCommandRequest& request);
 
-// Resolves the settings, and refuses what cannot work. Returns the reference, if there is one. Throws UsageError and
-// Error.
+// Replaces the defaults of the request by values, and refuses what cannot work. Returns the reference picture of
+// --reference; empty without one. Throws UsageError and Error.
 std::optional<Picture> resolve(RenderCommandRequest& request);
 
-// Writers that had to be loaded are there: what cannot be written is not rendered. Throws Error.
+// Checks that the modules which write these picture formats could be loaded, before time is spent on rendering. Throws
+// Error.
 void require_writers(const OutputRequest& output);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Renders a prepared scene: one device or several, from a state on, or one path of it.
+// Renders a prepared scene: on one device or several, from the beginning or from a saved state; or replays one path.
 #pragma once
 
 #include <optional>
@@ -18,21 +18,23 @@ namespace wavepath {
 
 struct Rendered {
   RenderResult result;
-  std::optional<MultiDeviceResult> shared; // of --devices; its result is moved from
-  std::vector<TrueError> true_errors;      // one for each checkpoint, if there is a reference
+  // What --devices measured; empty on one device. Its member `result` has been moved to the one above.
+  std::optional<MultiDeviceResult> shared;
+  std::vector<TrueError> true_errors; // error against the reference, one for each checkpoint; empty without a reference
 };
 
 // Prints the trace of --pixel. Writes no file. Returns the exit code.
 int replay(const RenderCommandRequest& request, Prepared& prepared);
 
-// Renders, from the state of --checkpoint on where --resume asks for it. Throws Error.
+// Renders the picture. With --resume it continues from the state in the file of --checkpoint. `reference`: may be
+// empty. Throws Error.
 Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std::optional<Picture>& reference);
 
-// Shows the picture in the viewer of --tev. One that goes away does not end the render.
+// Sends the picture to the viewer of --tev. If the viewer has gone away, rendering continues without it.
 void show(const RenderCommandRequest& request, Prepared& prepared, const Picture& picture);
 
-// The picture is there, or will be, whatever becomes of what a report tells besides: where that fails, why it did.
-// `what` was not measured then, which a warning tells.
+// Calls `measure`, whose failure must not end the render: what a report tells besides the picture may be missing.
+// Returns the reason of the failure, empty on success. Adds the warning "`what` not measured: reason".
 template <class Measure>
 std::string why_not_measured(Prepared& prepared, const char* what, const Measure& measure) {
   std::string why;

@@ -6,20 +6,22 @@
 
 namespace wavepath {
 
-// Everything below, in its order, with what kernels must bear for pilots, and --devices. Throws UsageError, and Error
-// where a device is named that is not there.
+// Does all that is declared below, in that order. Also resolves --devices, and predicts which pilots may be made, so
+// that kernels can be compiled for them (foresee() in host/plan/plan.h). Throws UsageError; throws Error where a named
+// device does not exist.
 void resolve_settings(const SceneRequest& scene, RenderRequest& request);
 
-// Its parts, for commands that render otherwise.
+// The parts of resolve_settings(), for commands that need only some of them.
 // The sample range. Throws UsageError where --spp and --samples disagree.
 void resolve_samples(RenderRequest& request);
-// Without --integrator: `auto`. But `path` where a flag asks for what `auto` leaves out, and where a part of a render
-// does not know the whole's --spp, because parts might choose each its own. The sample range must be resolved.
+// Chooses the integrator where --integrator is absent: `auto`, except in two cases that take `path`. First, a flag asks
+// for something that `auto` does not support. Second, the render is a part (--samples) without the --spp of the whole:
+// each part might choose another integrator. The sample range must have been resolved before.
 void resolve_integrator(RenderRequest& request);
-// Throws UsageError for settings and flags that the chosen integrator does not take.
+// Throws UsageError for settings and flags that the chosen integrator does not support.
 void check_integrator(const RenderRequest& request);
 
-// Whether a render is neither a part of another one nor shared by several devices.
+// True if the render is neither a part of another one (--samples, --mergeable) nor shared by several devices.
 bool stands_alone(const RenderRequest& request);
 
 } // namespace wavepath

@@ -20,45 +20,46 @@ struct SceneRequest {
   std::string path;
   LoadOptions load;
   ViewRequest view;
-  std::string environment; // as load_environment takes it; empty = by the rule of choose_light()
+  std::string environment; // argument of load_environment(); empty = chosen by choose_light()
   double environment_intensity = 1.0;
-  double environment_degrees = 0.0; // of rotation
+  double environment_degrees = 0.0; // rotation of the environment about +Y
   bool ground = false;
   std::optional<glm::dvec2> sun; // degrees: azimuth from +X towards +Z, elevation
-  bool sun_if_unlit = false;     // what nobody has lit gets a sun, for studies of the shadows of lamps
+  bool sun_if_unlit = false;     // a scene without lights gets a sun, for studies of lamp shadows
 };
 
-// `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
+// Adds SCENE and its flags. `request` must outlive the parsing of `app`. `required`: false = SCENE may be left out.
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
 // --shutter, for commands whose integrators can see motion.
 void add_shutter_flag(CLI::App& app, SceneRequest& request);
-// Refuses a shutter that the integrator cannot show, or that opens on nothing; tells the settings of it.
+// Refuses a shutter that the integrator cannot show, or that opens where nothing moves. Sets the shutter's members of
+// `settings`. Throws UsageError.
 void check_shutter(const SceneRequest& request, RenderPlan& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.
 std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
                                    const std::string& reference = "");
-// What SceneRequest has besides file and camera, as the flags that it is read from, each with a space before.
+// The flags that give this request, without the file and the camera, each preceded by a blank.
 std::string flags_of(const SceneRequest& request);
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
 // A scene that is lit and can be framed.
 struct LoadedScene {
   Scene scene;
-  Framing framing;               // where it has no camera; without --ground
-  std::string light;             // what lights it and why, in a line; empty where --env says it
-  bool room_lamp = false;        // its last light is room_lamp()
-  std::optional<glm::dvec2> sun; // that was added, as SceneRequest has it
+  Framing framing;               // proposal for the camera if the scene has none; does not count the floor of --ground
+  std::string light;             // one line that says what lights the scene and why; empty if --env was given
+  bool room_lamp = false;        // true if the last light is the lamp that room_lamp() added
+  std::optional<glm::dvec2> sun; // direction of the sun that was added, in degrees as SceneRequest::sun
 };
 
-// Reads the scene, puts its environment in, and the ground that was asked for; `described` as in load_gltf(), with
-// these. Throws Error.
+// Reads the scene, adds its environment, and adds the floor of --ground. `described`: called as load_gltf() does, with
+// both included. Throws Error.
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
 
-// Tells what lights the scene on stderr, where the user did not say it.
+// Prints on stderr what lights the scene, unless the user chose it.
 void print_light(const LoadedScene& loaded);
 
-// Lights the scene of a request anew, which has changed in nothing but its environment. Throws Error; then it is as it
-// was.
+// Replaces the lighting of a loaded scene after the environment of its request has changed, and nothing else. Throws
+// Error, and leaves the scene as it was then.
 void relight(const SceneRequest& request, LoadedScene& loaded);
 
 } // namespace wavepath

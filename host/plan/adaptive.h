@@ -1,17 +1,17 @@
-// --adaptive auto: whether a render is to look for noise. Whether it then shares samples out, its pilot decides
-// (loop/adaptive.h).
+// --adaptive auto: decides whether the render starts with a pilot that measures noise. That pilot then decides whether
+// samples are distributed by noise (loop/adaptive.h).
 #pragma once
 
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
-// Paths of the shortest pilot.
+// Number of paths of the shortest noise pilot that the render could make.
 double adaptive_pilot_paths(const RenderPlan& settings);
 
-// The render has 16 times the paths of the shortest pilot, which are 4 samples of its own, and pixels enough that runs
-// of them differ. One that is bounded by time is taken to have the paths of a CPU, on any device: the device is not
-// known yet.
+// True if two conditions hold. The render has 16 times the paths of the shortest pilot, which has 4 samples a pixel.
+// The picture has enough pixels that its runs can differ. For a render that is limited by time, the number of paths is
+// that of a CPU, whatever the device: the device is not known yet.
 bool may_pay_adaptive(const RenderPlan& settings);
 
 } // namespace wavepath

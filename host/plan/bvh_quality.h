@@ -1,4 +1,4 @@
-// Which tree is worth building, for as many rays as a render is going to trace.
+// Chooses the quality of the BVH by the number of rays that the render is going to trace.
 #pragma once
 
 #include <array>
@@ -11,13 +11,14 @@
 
 namespace wavepath {
 
-inline constexpr std::array<std::string_view, 3> kQualityNames = {"fast", "balanced", "best"}; // by bvh::Quality
+// Indexed by bvh::Quality.
+inline constexpr std::array<std::string_view, 3> kQualityNames = {"fast", "balanced", "best"};
 
-// The best quality whose additional build time is less than what it saves a render by `settings` in traversal, as
-// measured on real scenes.
+// Returns the best quality whose additional build time is less than the traversal time that it saves, as measured on
+// real scenes.
 bvh::Quality choose_quality(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device);
 
-// For the plan.
+// The entry for Plan::decisions.
 Decision decision_of(bvh::Quality quality);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// A decision of the plan: what was to be decided, what was taken, why, and what finding out took.
+// A decision of the plan: which setting, the value taken, the reason, and the time spent on deciding.
 #pragma once
 
 #include <cstdint>
@@ -8,32 +8,33 @@
 
 namespace wavepath {
 
-// One candidate as its pilot showed it.
+// What the pilot of one candidate showed.
 struct Trial {
-  std::string flags;         // "path", "path --guide": as the command line names it
-  double cost = 0.0;         // squared error times work (pilot_runner.h), over that of the first candidate
+  std::string flags;         // integrator and flags, as on the command line: "path", "path --guide"
+  double cost = 0.0;         // squared error times work (pilot_runner.h), relative to the first candidate's
   double lo = 0.0, hi = 0.0; // 95 % interval of `cost`
-  double missing = 0.0;      // fraction of the brightest candidate's light that this one lacks beyond noise
-  bool disagrees = false;    // with the first candidate, on light that both find (agreement.h): one of the two is wrong
+  double missing = 0.0;      // fraction of the brightest candidate's light that this candidate lacks, beyond noise
+  // Differs from the first candidate on light that both find: one of them is wrong (agreement.h).
+  bool disagrees = false;
 };
 
-// The picture of a pilot; of no pixels where there was none.
+// Picture size in pixels and samples a pixel of a pilot; all 0 where no pilot was made.
 struct PilotPicture {
   std::uint32_t width = 0, height = 0, spp = 0;
 };
 
 struct Decision {
   std::string_view what;     // name of the setting
-  std::string taken;         // its value, as the command line has it
-  std::string why;           // a clause
-  double cost = 1.0;         // squared error times work that is expected of it, over that of what a rule would take
-  double lo = 1.0, hi = 1.0; // 95 % interval of `cost`; equal where nothing tells
-  double seconds = 0.0;      // that its pilots took, compiling and upload included
+  std::string taken;         // its value, spelled as on the command line
+  std::string why;           // the reason, as a clause
+  double cost = 1.0;         // predicted squared error times work, relative to the value that a rule would take
+  double lo = 1.0, hi = 1.0; // 95 % interval of `cost`; both equal to it where the interval is unknown
+  double seconds = 0.0;      // wall time of the pilots, compiling and upload included
   double render_seconds = 0.0;
-  double fraction = 0.0;       // of the render's paths that its pilots have, as foreseen
-  PilotPicture pilot{};        // of each candidate
-  bool is_told = false;        // in a line of its own, also without --verbose
-  std::vector<Trial> trials{}; // where candidates are several integrators
+  double fraction = 0.0;       // predicted ratio of the pilots' paths to the render's
+  PilotPicture pilot{};        // size of each candidate's pilot
+  bool is_told = false;        // printed in a line of its own, even without --verbose
+  std::vector<Trial> trials{}; // one for each candidate, if integrators were compared
 };
 
 } // namespace wavepath

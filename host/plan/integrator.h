@@ -1,4 +1,4 @@
-// --integrator auto: short pilots of what could suit the scene, and the one that a given error costs the least work.
+// --integrator auto: makes pilots of the candidates and chooses the one that reaches a given error with the least work.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,22 @@
 namespace wavepath {
 
 struct IntegratorChoice {
-  RenderPlan settings;                // never of an integrator that has candidates
-  std::vector<Trial> trials;          // empty where none were made
-  std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
-  std::vector<std::string> refused;   // and of those that the device cannot run
-  bool hidden_lamps = false;          // for which it was taken without a trial, the render being short
-  std::size_t taken = 0;              // its entry in `trials`
-  std::string disagreement;           // what one that disagrees finds; empty where all agree
-  double seconds = 0.0;               // that the pilots took, compiling included
-  double render_seconds = 0.0;        // of these, rendering alone
-  PilotPicture pilot;                 // of the first round
-  double fraction = 0.0;              // of the render's paths that the pilots had
+  RenderPlan settings;                // settings of the candidate taken; never those of `auto`
+  std::vector<Trial> trials;          // empty if no pilot was made
+  std::vector<std::string> too_large; // flags of candidates that were skipped because they would not fit into memory
+  std::vector<std::string> refused;   // flags of candidates that the device cannot run
+  // True if the candidate was taken without a pilot, since the render is short and its lamps are hidden.
+  bool hidden_lamps = false;
+  std::size_t taken = 0;       // index in `trials` of the candidate taken
+  std::string disagreement;    // warning text if a candidate disagrees with the first; empty if all agree
+  double seconds = 0.0;        // wall time of the pilots, compiling included
+  double render_seconds = 0.0; // part of `seconds` spent rendering
+  PilotPicture pilot;          // size of each pilot of the first round
+  double fraction = 0.0;       // ratio of the pilots' paths to the render's
 };
 
-// `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then:
+// Returns `settings` unchanged, unless their integrator stands for several candidates (IntegratorKind::candidates).
+// Then:
 //
 // 1. A render of less than 20 pilots of each, or than a second, takes the first candidate without a pilot; or the one
 //    with light paths, if few rays on the host find lamps hidden.
@@ -41,13 +43,13 @@ struct IntegratorChoice {
 IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
                                    const std::function<bool(const RenderPlan&)>& fits);
 
-// The integrator and what else of a way to render differs from the default: "path --guide", as the command line has it.
+// The integrator and the flags of a candidate that differ from the defaults, as on the command line: "path --guide".
 std::string candidate_text(const RenderPlan& settings);
 
-// "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
+// One line for the user: "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
 std::string choice_text(const IntegratorChoice& choice);
 
-// For the plan.
+// The entry for Plan::decisions.
 Decision decision_of(const IntegratorChoice& choice);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// How much of the lamps' light reaches what the picture shows by straight lines: a few rays on the host, no pilot.
+// Estimates the fraction of the lamps' light that reaches visible surfaces directly, by a few rays on the host.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace wavepath {
 
-// Fraction of straight lines from what the picture shows to lamps (suns and environments are none) that nothing blocks,
-// lamps by their power; empty if there is no lamp or nothing is shown. About 200 rays, as many again for lamps: less
-// than a millisecond. Depends on scene and view alone.
+// Fraction, 0 to 1, of unblocked straight lines between points that the picture shows and points on lamps. Lamps are
+// picked in proportion to their power; suns and environments do not count. Empty if the scene has no lamp or the
+// picture shows nothing. Traces about 400 rays in less than a millisecond. Depends on the scene and the view alone.
 std::optional<double> lamps_in_sight(const PackedScene& scene, const View& view);
 
 } // namespace wavepath

@@ -1,5 +1,5 @@
-// What a render takes of memory besides its scene: `info` tells it item by item, and what does not fit is refused by
-// the same items before any of it is allocated.
+// Predicts the memory that a render needs besides its scene. `info` lists the items; a render whose items do not fit is
+// refused before anything is allocated.
 #pragma once
 
 #include <string>
@@ -14,17 +14,18 @@
 namespace wavepath {
 
 struct MemoryPlan {
-  std::vector<MemoryItem> render; // without paths in flight
-  std::vector<MemoryItem> path;   // of each path in flight
+  std::vector<MemoryItem> render; // items of the render as a whole, without paths in flight
+  std::vector<MemoryItem> path;   // items of one path in flight
 };
 
-// Only what this scene and these settings use. `features`: kFeature bits of the scene, or those expected of it.
+// Lists only what this scene and these settings use. `features`: kFeature bits of the scene, known or expected.
 MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features);
 
 std::uint64_t total_bytes(const std::vector<MemoryItem>& items);
 
-// Whether the host holds the packed scene with what a render keeps there; of a CPU device its buffers as well. Made
-// before the scene is packed, it can still be asked when pilots have decided about the render.
+// Checks that the host has memory for the packed scene and the host's part of a render; on a CPU device, for the
+// device's buffers as well. It is made before the scene is packed, and can be asked again after pilots have changed the
+// settings.
 class MemoryCheck {
 public:
   MemoryCheck(std::string file, const ScenePlan& scene, gpu::Feature features, DeviceInfo device,

@@ -1,4 +1,4 @@
-// Makes pilots of one scene on one device: one upload, one definition of what a given error costs.
+// Runs pilots of one scene on one device: uploads the scene once, and defines the cost that all decisions compare.
 #pragma once
 
 #include <memory>
@@ -12,37 +12,39 @@
 
 namespace wavepath {
 
-// A pilot that was made. Work is counted, never timed: rays by kind, weighed by constants of the type of device
-// (IntegratorKind::work), so that what is decided depends on no clock.
+// Result of a pilot. Work is counted, never timed: rays by kind, weighed by constants of the device type
+// (IntegratorKind::work). So decisions do not depend on a clock.
 struct PilotRender {
-  RenderPlan settings; // of the pilot
+  RenderPlan settings; // settings that the pilot was rendered with
   RenderResult result;
   PictureLight light;
-  double steady_work = 0.0;   // of its samples, in camera rays
-  double training_work = 0.0; // of what was learned before the first of them
+  double steady_work = 0.0;   // work of its samples; unit: one camera ray of `path`
+  double training_work = 0.0; // work of the training before its first sample; same unit
 
   double squared_error() const { return result.error.relative_rms * result.error.relative_rms; }
-  // What a given error costs: squared error times work, which is the same for any number of samples.
+  // Work to reach a given error: squared error times work. It does not depend on the number of samples, since error
+  // squared falls as 1 / samples.
   double cost() const { return squared_error() * steady_work; }
 };
 
-// Whether the render is long enough for any pilot, and has so many times the paths of the pictures of a row as the row
-// asks for.
+// True if the render is long enough to make pilots at all, and has at least row.render_over_pilots times the paths of
+// all pictures of the row. `cpu`: the device is a CPU.
 bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu);
 
 class PilotRunner {
 public:
-  // All but `shared`, to which the scene is uploaded, must outlive this.
+  // Keeps references to all arguments, which must outlive this object. `shared`: receives the uploaded scene.
   PilotRunner(Device& device, const PackedScene& scene, const View& view, KernelCompiler& kernels,
               SceneOnDevice& shared);
 
-  // The settings of a pilot: the render's own for a small picture.
+  // Settings of a pilot of the row: those of the render, for a smaller picture.
   static RenderPlan settings_of(const PilotRow& row, const RenderPlan& render);
   static PilotPicture picture_of(const PilotRow& row, const RenderPlan& render);
-  // Paths that all pictures of a row have.
+  // Paths of all pictures of a row together.
   static double paths_of_all(const PilotRow& row, const RenderPlan& render);
 
-  // Renders it. Pilots by the same integrator share buffers. Throws DeviceLimit where the device cannot run it.
+  // Renders a pilot. Consecutive pilots by the same integrator share buffers. Throws DeviceLimit if the device cannot
+  // run it.
   PilotRender run(const RenderPlan& pilot);
 
   Device& device() { return device_; }

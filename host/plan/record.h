@@ -1,4 +1,4 @@
-// The plan as JSON, as the stats, pictures and states hold it; and the decisions that a later command takes from there.
+// The plan as JSON, which stats, pictures and states hold; and the decisions that a later command reads from it.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,29 @@
 
 namespace wavepath {
 
-// Values, as the command line has them, of what pilots and the length of the render decide. What rules decide from the
-// scene alone repeats by itself.
+// Values, spelled as on the command line, that were decided by pilots or by the length of the render. Decisions by
+// rules from the scene alone are not recorded, since they repeat by themselves.
 struct PlanRecord {
-  std::vector<std::pair<std::string, std::string>> values; // by name of the setting
+  std::vector<std::pair<std::string, std::string>> values; // pairs of setting name and value
   std::optional<std::uint64_t> training_paths;             // Training::paths
   std::optional<std::uint32_t> guide_iterations;
   bool operator==(const PlanRecord&) const = default;
 };
 
-// Adds to the decisions those that nothing but the command line made, so that the list tells the whole plan. `trains`:
-// the choice of lights.
+// Adds entries for settings that the command line alone decided, so that the list is the whole plan. `trains`: the
+// render trains light selection.
 void complete(std::vector<Decision>& decisions, const RenderPlan& settings, bool trains);
 
 // [{"what", "taken", "why", "cost", "cost_ci95", "seconds", "render_seconds", "fraction", "pilot", "trials"}]
 nlohmann::ordered_json to_json(const std::vector<Decision>& decisions);
-// The same without what was measured, on one line, for headers of files.
+// The same on one line, without measured values, for the headers of files.
 std::string to_line(const std::vector<Decision>& decisions);
 
-// What such a list decided. Throws nlohmann::json::exception where it is none.
+// Reads the decisions of such a list. Throws nlohmann::json::exception if the JSON is no such list.
 PlanRecord record_from(const nlohmann::ordered_json& decisions);
 
-// Takes over what was recorded for settings that are at their defaults. Throws UsageError for a value that no setting
-// has.
+// Copies the recorded values into those settings that are at their defaults. Throws UsageError for a value that the
+// setting does not have.
 void apply(const PlanRecord& record, RenderPlan& settings);
 
 } // namespace wavepath

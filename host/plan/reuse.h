@@ -1,4 +1,4 @@
-// --reuse auto: whether neighbouring pixels share the light that their paths find.
+// --reuse auto: decides whether neighbouring pixels reuse each other's paths.
 #pragma once
 
 #include "host/plan/decision.h"
@@ -7,27 +7,27 @@
 namespace wavepath {
 
 struct ReuseChoice {
-  bool tried = false; // not where the render is short, or cannot reuse paths
+  bool tried = false; // pilots were made; false if the render is short or cannot reuse paths
   bool pays = false;
-  double cost = 1.0;           // squared error times work that is expected, over that of paths of their own
-  double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
-  double render_seconds = 0.0; // of these, rendering alone
+  double cost = 1.0;           // predicted squared error times work, relative to the render without reuse
+  double seconds = 0.0;        // wall time of the pilots, waiting for kernels and upload included
+  double render_seconds = 0.0; // part of `seconds` spent rendering
   PilotPicture pilot;
-  double fraction = 0.0; // of the render's paths that the pilots have, as foreseen
-  // KernelCapacity::reuse of the render: in short ones the kernels for pilots serve it, too.
+  double fraction = 0.0; // predicted ratio of the pilots' paths to the render's
+  // KernelCapacity::reuse of the render: a short render uses the kernels that were compiled for the pilots
   BearsReuse kernels_bear = BearsReuse::nowhere;
 };
 
-// In which scenes a render is long enough for pilots, so that kernels for them are worth beginning before the scene is
-// known: for KernelCapacity::reuse.
+// The scenes for which the render is long enough to try reuse, as a value of KernelCapacity::reuse. Compiling kernels
+// that support reuse can so begin before the scene is known.
 BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu);
 
-// Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
-// work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none
-// where most noise is of direct light, of metal or of glass. Work is counted, never timed.
+// Renders one pilot with reuse and one without, and compares squared error times work. Reuse pays where light arrives
+// by diffuse surfaces: 0.3x of the squared error in a Cornell box. It does not pay where most noise comes from direct
+// light, metal or glass. Work is counted, never timed.
 ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings);
 
-// For the plan.
+// The entry for Plan::decisions.
 Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// How long pilots are that learn where light comes from.
+// Chooses the length of training: paths for light selection, iterations of guiding.
 #pragma once
 
 #include <cstdint>
@@ -7,19 +7,19 @@
 
 namespace wavepath {
 
-// Paths for Training::paths of a render that stands alone, neither a part nor to be joined with
-// others: the longer it is, the more, and the smaller a fraction of it. What is learned from P paths leaves a squared
-// error in proportion to 1 + a / sqrt(P), more or less, and a render of R paths takes 1 + P / R of its time: the
-// product is least where P grows as R^(2/3), by measurement a little faster. A render that ends by its error is taken
-// to be short, and one that is bounded by time to have the paths that expected_paths() tells.
+// Value of Training::paths for a render that stands alone (no part, and not to be merged). Longer renders train longer,
+// but with a smaller fraction of their paths. Training with P paths leaves a squared error in proportion to about 1 + a
+// / sqrt(P), and a render of R paths takes 1 + P / R of its time. The product is least where P grows as R^(2/3); by
+// measurement, a little faster. A render that ends at an error counts as short. A render that ends by time is taken to
+// have expected_paths() paths. `cpu`: the device is a CPU.
 std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu);
 
-// Training::guide_iterations of such a render: one more where that pays, which learns from twice as many paths
-// and leaves .8 of the squared error (benchmarks/results/NOTES.md, Guiding). A sixth one would leave .9 of that, and
-// its vertices take 1 GB of the host's memory.
+// Value of Training::guide_iterations for such a render: one more than the default where that pays. A fifth iteration
+// learns from twice as many paths and leaves 0.8x of the squared error (benchmarks/results/NOTES.md, Guiding). A sixth
+// would leave 0.9x of that, and its vertices would take 1 GB of the host's memory.
 std::uint32_t guide_iterations(const RenderPlan& settings, bool cpu);
 
-// Both.
+// Sets both members of settings.training.
 void set_training_lengths(RenderPlan& settings, bool cpu);
 
 } // namespace wavepath
