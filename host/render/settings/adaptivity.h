@@ -1,11 +1,11 @@
-// Whether a render gives pixels with more noise more samples.
+// Decides whether a render is adaptive: noisy pixels get more samples.
 #pragma once
 
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
-// Whether a pilot looks for noise: it was asked for, or the program tries on its own whether it pays.
+// True if a pilot measures noise when the render begins: --adaptive on, or `auto` where the plan expects it to pay.
 bool is_adaptive(const RenderPlan& settings);
 
 } // namespace wavepath

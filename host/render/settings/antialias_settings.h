@@ -1,10 +1,11 @@
-// What is known of techniques of anti-aliasing without knowing one.
+// Facts about --antialias that code outside of its techniques needs.
 #pragma once
 
 #include <cstdint>
 
 namespace wavepath {
 
-inline constexpr std::uint32_t kAntialiasTaaName = 5; // of --antialias: joins frames to those before
+// Value of --antialias for TAA, which blends each frame with the frames before.
+inline constexpr std::uint32_t kAntialiasTaaName = 5;
 
 } // namespace wavepath

@@ -1,15 +1,15 @@
-// Whether a render's finished picture is filtered, and what its film must hold for that.
+// Decides which filter --denoise means, and which channels the film must hold for it.
 #pragma once
 
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
-// --denoise filters every frame of an integrator whose samples are frames, and the finished picture of one that traces
-// paths. The picture as it was rendered stays beside the filtered one.
+// True if the finished picture is filtered, as for integrators that trace paths. An integrator whose samples are frames
+// has each frame filtered instead. The unfiltered picture stays beside the filtered one.
 bool denoises_film(const RenderPlan& settings);
 
-// Whether the film holds what the first hits are like, be it for --aov or for the filter.
+// True if the film holds AOVs of first hits, for --aov or for the filter.
 bool records_aovs(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// The text that a user gives to a flag: how it is read and refused, and what was probably meant.
+// Text that a user gives to a flag: reads it as a value, or refuses it and suggests what was probably meant.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@
 
 namespace wavepath {
 
-// Text that cannot be read as what is asked for is refused with a UsageError that names the flag.
+// Flag and text. Every reader below throws a UsageError that names the flag if the text is no such value. Limits are
+// inclusive.
 struct FlagValue {
   std::string flag; // "--spp"
   std::string text;
 
   std::uint32_t whole_number(std::uint64_t lowest, std::uint64_t highest) const;
-  double number(double lowest, double highest) const;                  // finite, both ends included
+  double number(double lowest, double highest) const;                  // finite
   double positive_number() const;                                      // finite
   glm::dvec3 triple() const;                                           // "X,Y,Z", finite
   std::uint32_t choice(std::span<const std::string_view> names) const; // index of one of the names
-  // What stands before and after the separator; `remedy` says how to write it where there is none.
+  // The parts before and after the separator. `remedy`: how to write the value, for the error if there is no separator.
   std::pair<FlagValue, FlagValue> split(char separator, const char* remedy) const;
-  // The parts of a list separated by commas, each a choice of `names`, in the order given and without repetitions.
+  // The parts of a list separated by commas, each one of `names`, in the order given and without repetitions.
   std::vector<std::string> list(std::span<const std::string_view> names) const;
   [[noreturn]] void refuse(const std::string& problem, const std::string& remedy) const;
 };

@@ -1,5 +1,5 @@
-// Text that holds everything that decides the bits of a render. Renders with the same text can be merged, and one can
-// be resumed where the other stopped.
+// Identity of a render: a text of everything that decides its bits. Renders of equal identity can be merged, and one
+// can be resumed where the other stopped.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@
 
 namespace wavepath {
 
-// "version=0.1.0;scene=5f..;size=640x360;...;camera=...": the settings that decide the film, in the order of their
-// table. Values are without ';'. The range of samples is not among them, because parts of one render differ in it.
+// Returns the identity, as "version=0.1.0;scene=5f..;size=640x360;...;camera=...". It has the settings that decide the
+// film, in the order of their table; values contain no ';'. The range of samples is left out, because the parts of one
+// render differ in it.
 std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderPlan& settings);
 
-// The first key in which they differ, with both values, as "seed is 1, not 0"; nothing if they are equal.
+// Describes the first key whose values differ, as "seed is 1, not 0"; empty if the identities are equal.
 std::optional<std::string> first_difference(const std::string& identity, const std::string& expected);
 
 } // namespace wavepath

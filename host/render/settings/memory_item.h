@@ -1,4 +1,4 @@
-// Memory that a render takes for one purpose.
+// Memory that a render needs for one purpose.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ enum class MemoryLocation { device, host, both };
 
 struct MemoryItem {
   std::string_view name;
-  std::uint64_t bytes = 0; // in each of its locations
+  std::uint64_t bytes = 0; // in each of the locations
   MemoryLocation location = MemoryLocation::device;
 };
 

@@ -1,18 +1,18 @@
-// Whether neighbouring pixels share the light that their paths find (kernels/path/reuse.glsl).
+// Decides whether neighbouring pixels reuse each other's paths (kernels/path/reuse.glsl).
 #pragma once
 
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
-// Whether a render with these settings can. Not where directions are drawn otherwise than by the cosine, where paths of
-// neighbours see the scene at other times, or where no path scatters twice.
+// True if a render with these settings can reuse paths. It cannot if directions are not drawn by the cosine, if
+// neighbouring paths see the scene at different times, or if no path scatters twice.
 bool may_reuse_paths(const RenderPlan& settings);
 
-// Whether it does: auto does once a pilot has found that it pays, which makes it on.
+// True if the render reuses paths: --reuse on. The plan has replaced `auto` by `on` or `off`.
 bool reuses_paths(const RenderPlan& settings);
 
-// Whether kernels for a scene of these kFeature bits are to support both, since pilots try it
+// True if kernels for a scene of these kFeature bits must support both modes, since a pilot compares them
 // (KernelCapacity::reuse).
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene);
 

@@ -1,4 +1,4 @@
-// Registries of techniques that a setting chooses among: a row a technique, which says what is known of it.
+// Registry of the techniques that a setting chooses among: one row for each technique.
 #pragma once
 
 #include <algorithm>
@@ -20,21 +20,22 @@ constexpr auto rows_of(const Kinds&... kinds) {
   return std::array{&kinds...};
 }
 
-// Declares the constants of type KIND that are named behind ROWS, each defined in a file of its own, and ROWS, the
-// array of their addresses: so that a technique is named once.
+// Declares constants of type KIND, whose names follow ROWS, and the array ROWS of their addresses. Each constant is
+// defined in a file of its own; so a technique is named only once.
 #define WAVEPATH_ROWS(KIND, ROWS, ...) \
   extern const KIND __VA_ARGS__;       \
   inline constexpr auto ROWS = rows_of(__VA_ARGS__)
 
-// A Kind has a member `name`; for takes() and check() also `settings`, those that the technique takes, and `check`,
-// null or a function that throws UsageError where settings do not go with it.
+// Rows of techniques. A Kind has a member `name`. supports() and check() also need `settings`, the names of the
+// settings that the technique supports, and `check`, which throws UsageError if settings contradict it; null = no such
+// check.
 template <class Kind>
 struct Registry {
-  std::string_view setting; // its values are the names
+  std::string_view setting; // name of the setting whose values are the techniques
   std::uint32_t RenderPlan::*value = nullptr;
-  std::span<const Kind* const> rows{};        // in the order of the values
-  std::string_view built_in{};                // the value before theirs, which no technique stands for; empty = none
-  std::span<const std::string_view> common{}; // settings that every technique takes, and what is built in does not
+  std::span<const Kind* const> rows{};        // one for each technique, in the order of the setting's values
+  std::string_view built_in{};                // name of value 0, which stands for no technique; empty = there is none
+  std::span<const std::string_view> common{}; // settings that every technique supports, but not value 0
 
   std::vector<std::string_view> names() const {
     std::vector<std::string_view> names;
@@ -43,7 +44,7 @@ struct Registry {
     return names;
   }
 
-  // Null for what is built in.
+  // The technique chosen; null for the built-in value.
   const Kind* find(const RenderPlan& settings) const {
     const std::size_t first = built_in.empty() ? 0 : 1, index = settings.*value;
     return index < first ? nullptr : rows[index - first];
@@ -53,7 +54,7 @@ struct Registry {
     return row ? row->name : built_in;
   }
 
-  // Whether a setting means something to the technique chosen; one that no technique lists always does.
+  // True if the chosen technique supports a setting, or if no technique lists it.
   bool supports(const RenderPlan& settings, std::string_view name) const {
     const auto lists = [&](const Kind* row) {
       return std::ranges::count(row->settings, name) > 0 || std::ranges::count(common, name) > 0;
@@ -62,7 +63,7 @@ struct Registry {
     return row && lists(row) ? true : std::ranges::none_of(rows, lists);
   }
 
-  // Throws UsageError where settings do not go with the technique chosen.
+  // Throws UsageError if settings contradict the chosen technique.
   void check(const RenderPlan& settings) const {
     if (const Kind* row = find(settings); row && row->check) row->check(settings);
     for (const Setting& other : settings_table())

@@ -1,5 +1,5 @@
-// The table of settings: one row for everything that a user can set about a render. Command lines, --help, identity,
-// copied command, stats, panel and the axes of studies follow from the rows.
+// The table of settings: one row for everything that a user can set about a render. Command line, --help, identity,
+// copied command, stats, panel and the axes of studies are derived from the rows.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace wavepath {
 
-// By the values of the kSampler..., kDirect..., kHemisphere..., kFilter... and kBranching... constants.
+// Names of values, indexed by the constants of the same prefix: kSampler..., kDirect..., kFilter..., and so on.
 inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
 inline constexpr std::string_view kLightSelectionNames[] = {"auto", "power", "tree", "learned"};
 inline constexpr std::string_view kLightSamplesNames[] = {"auto", "1", "2", "3", "4",
-                                                          "5",    "6", "7", "8"}; // by the number
+                                                          "5",    "6", "7", "8"}; // indexed by the number of samples
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kReuseNames[] = {"auto", "on", "off"};
 inline constexpr std::string_view kAdaptiveNames[] = {"auto", "off", "on"};
@@ -31,8 +31,8 @@ std::span<const Setting> settings_table();
 // The row of that name, which must exist.
 const Setting& setting_named(std::string_view name);
 
-// Flags of `wavepath render`, each after a blank, that give these settings where the others are defaults: everything
-// that decides the picture and that the integrator takes.
+// Flags of `wavepath render`, each preceded by a blank, that give these settings if all others are at their defaults:
+// all that decide the picture and that the integrator supports.
 std::string flags_of(const RenderSettings& settings);
 
 } // namespace wavepath

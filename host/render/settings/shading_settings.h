@@ -1,4 +1,4 @@
-// Where models of local illumination are evaluated: values of --interpolation.
+// Names for --shading and --interpolation that code outside of the models needs.
 #pragma once
 
 #include <array>
@@ -7,8 +7,9 @@
 
 namespace wavepath {
 
-inline constexpr std::uint32_t kShadingGltf = 0; // of --shading; models of local illumination are the others
-// By kInterpolate constant of kernels/hybrid/shading/shading_types.h.
+// Value of --shading for glTF's own BSDF; larger values are models of local illumination.
+inline constexpr std::uint32_t kShadingGltf = 0;
+// Values of --interpolation, indexed by the kInterpolate constants of kernels/hybrid/shading/shading_types.h.
 inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"flat", "gouraud", "phong"};
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// By what textures are filtered.
+// Decides which textures the device's samplers filter.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace wavepath {
 
-// --textures, as pack() takes it: what the samplers of the device can hold where they are to look textures up.
+// Argument of pack(): the limits of the device's samplers with --textures hardware; empty if kernels filter.
 std::optional<SamplerLimits> sampler_limits(const RenderPlan& settings, const DeviceInfo& device);
-// Of several that share a packed scene: what all of them can hold.
+// Limits that hold on several devices which use one packed scene: combines `limits` with those of `other`.
 std::optional<SamplerLimits> common_limits(std::optional<SamplerLimits> limits, const DeviceInfo& other);
 
 } // namespace wavepath

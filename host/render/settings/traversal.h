@@ -1,4 +1,4 @@
-// By what rays are traced.
+// Decides how rays are traced: by compute kernels or by the device's ray queries.
 #pragma once
 
 #include "host/gpu/device_info.h"
@@ -6,11 +6,12 @@
 
 namespace wavepath {
 
-// --traversal as kernels are asked for it: one of kTraversal...; ray queries know no surfaces that move.
+// Value for kernels: a kTraversal constant. Scenes with motion are traced by compute kernels. Throws Error for
+// --traversal hardware with motion.
 std::uint32_t traversal_of(const RenderPlan& settings);
 
-// Whether that means the device's ray queries in place of traversal in compute kernels: where it has hardware for them,
-// or where settings insist. Throws Error if they insist on what the device lacks.
+// True if the device's ray queries trace rays: `traversal` is hardware, or it is auto and the device is a GPU that has
+// them. Throws Error if `traversal` is hardware and the device lacks them.
 bool traces_by_query(std::uint32_t traversal, const DeviceInfo& device);
 
 } // namespace wavepath
