@@ -1,4 +1,4 @@
-// Whether two candidates find the same light where neither can lack any: if not, one of them is wrong.
+// Checks that two candidates agree on light that both must find. If they do not, one of them is wrong.
 #pragma once
 
 #include <optional>
@@ -8,24 +8,25 @@
 namespace wavepath {
 
 struct Disagreement {
-  double fraction = 0.0;       // by which the second is brighter than the first, over the brighter one
-  double standard_error = 0.0; // of that
+  double fraction = 0.0;       // (second - first) / brighter of the two, of the whole picture's light
+  double standard_error = 0.0; // standard error of `fraction`
 };
 
-// Whether ways may differ by design: what a mirror with a normal map folds up (kernels/surface/world_scattering.glsl)
-// cannot be followed back from the light, so that `bidirectional` cuts it off, and `path` does not.
+// True if candidates may differ by design. A path that a normal map would bend below the surface of a mirror is folded
+// back (kernels/surface/world_scattering.glsl). It cannot be followed from the light, so `bidirectional` cuts it off,
+// and `path` does not.
 bool folds_mirrors(const PackedScene& scene);
 
-// Renders pilots by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass
-// on its way from a lamp, so that every complete way finds all of it, unless mirrors are folded: what differs by more
-// than four standard errors and a percent, in a second pilot with another seed and four times the samples as well, and
-// to the same side, is no chance. Nothing where they agree.
+// Renders pilots by both candidates with one bounce, and returns how much they differ; empty if they agree. Light that
+// has scattered once has met no mirror and no smooth glass on its way from a lamp. So every correct candidate finds all
+// of it, unless mirrors are folded. A difference counts if it exceeds four standard errors and 1 %. A second pilot,
+// with another seed and four times the samples, must confirm it with the same sign.
 std::optional<Disagreement> find_disagreement(Device& device, const PackedScene& scene, const View& view,
                                               const RenderPlan& first, const RenderPlan& second,
                                               KernelCompiler& kernels, SceneOnDevice& shared);
 
-// Whether each of two pictures of the same size is brighter in some block of 4x4 than the other by more than four
-// standard errors. Light that one of them lacks makes it darker alone. Not to be asked where mirrors are folded.
+// True if each of two pictures of equal size is brighter than the other, by more than four standard errors, in some
+// block of 4x4 pixels. A picture that only lacks light is darker everywhere. Not valid where mirrors are folded.
 bool differ_both_ways(const Film& a, const Film& b);
 
 } // namespace wavepath

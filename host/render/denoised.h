@@ -1,4 +1,4 @@
-// --denoise of a finished picture: the filtered radiance as channels beside those that were rendered.
+// --denoise of a finished picture: adds the filtered radiance as channels beside the rendered ones.
 #pragma once
 
 #include "host/film/film.h"
@@ -9,10 +9,10 @@
 namespace wavepath {
 
 // Adds the channels of kShownPrefix (picture_io.h) to a picture that was developed from `film`. `how`: kDenoiseOn or
-// kDenoiseOidn. Throws Error where the filter cannot run.
+// kDenoiseOidn. Throws Error if the filter cannot run.
 DenoiseReport add_denoised(Picture& picture, const Film& film, std::uint32_t how);
 
-// The same for the result of a render, if its settings ask for it.
+// Filters the picture of a result, if the settings ask for it. Throws Error as above.
 void denoise_if_asked(RenderResult& result, const RenderPlan& settings);
 
 } // namespace wavepath

@@ -1,5 +1,5 @@
-// Light that paths from the camera cannot find: of lamps and suns, which they cannot meet, through thick smooth glass
-// and off mirrors, which shadow rays cannot cross.
+// Measures light that paths from the camera cannot find. It comes from lamps and suns without extent, which paths
+// cannot hit, by way of smooth thick glass or mirrors, which shadow rays do not cross.
 #pragma once
 
 #include <optional>
@@ -10,26 +10,26 @@
 namespace wavepath {
 
 struct LostLight {
-  double fraction = 0.0;       // of all light, missing
-  double standard_error = 0.0; // of that
-  // The two integrators disagree on light that both find (agreement.h): then one of them is wrong, and the difference
-  // is no loss.
+  double fraction = 0.0;       // missing light over all light
+  double standard_error = 0.0; // standard error of `fraction`
+  // True if the two integrators disagree on light that both find (agreement.h). Then one of them is wrong, and
+  // `fraction` is meaningless.
   bool disagrees = false;
 };
 
-// Whether some surface reflects or refracts into a single direction, as mirrors and glass do.
+// True if some surface reflects or refracts into a single direction, as mirrors and smooth glass do.
 bool has_smooth_surface(const PackedScene& scene);
 
-// Whether the scene has both such lights and a surface of a single direction.
+// True if the scene has lights without extent and a surface of a single direction.
 bool may_lose_light(const PackedScene& scene);
 
-// What lamps and suns outside bodies that scatter do not light in them, because their smooth walls refract: a sentence,
-// empty if there is no such body or no such light.
+// A warning about bodies that scatter light inside: lamps and suns outside do not light them if their smooth walls
+// refract. Empty if there is no such body or light.
 std::string unlit_bodies(const PackedScene& scene);
 
-// Renders a pilot with `settings`, and one by an integrator that has light paths; the difference of their light
-// is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself. `progress`
-// may end it: then, where the other integrator cannot render the scene, and where the device fails, it throws Error.
+// Renders a pilot with `settings` and one by an integrator with light paths; the difference is the light that the first
+// lacks. Empty if no light can be lost, or if the integrator itself has light paths. `progress` may stop it. Throws
+// Error if it is stopped, if the other integrator cannot render the scene, or if the device fails.
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
                                             const RenderPlan& settings, KernelCompiler& kernels, SceneOnDevice& shared,
                                             const ProgressCallback& progress = {});

@@ -1,22 +1,22 @@
-// The work of pilots: short renders of candidates, whose counted work is weighed against their estimated error.
+// Lengths of renders in paths, and the counted work of pilots, by which decisions weigh errors.
 #pragma once
 
 #include "host/render/render.h"
 
 namespace wavepath {
 
-// Of the whole render: pixels times samples, also of one that renders a part of the samples and tells their total.
+// Paths of the whole render: pixels times samples. For a part of a render, those of the whole if its total is known.
 double paths_of(const RenderPlan& settings);
 
-// The same of a render that may be bounded by time; then from the type of the device alone, so that what is decided by
-// it depends on no clock.
+// The same for a render that may be limited by time. The number then depends on the type of the device alone, so that
+// decisions depend on no clock. `cpu`: the device is a CPU.
 double expected_paths(const RenderPlan& settings, bool cpu);
 
-// Whether the render may make pilots: one that is foreseen to take less than a second makes none.
+// True if the render may make pilots: it must be predicted to take at least a second.
 bool may_make_pilots(const RenderPlan& settings, bool cpu);
 
-// Work of the samples of a pilot in camera rays (IntegratorKind::work), without the training before the first of them:
-// twice the work of its last half.
+// Work of the samples of a pilot, in camera rays of `path` (IntegratorKind::work). Training before the first sample
+// does not count: the result is twice the work of the last half.
 double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Renders a scene: takes settings, returns a picture and what it cost. The loop itself is loop/render_loop.h.
+// Renders a scene: takes settings, returns a picture and its cost. The loop itself is loop/render_loop.h.
 #pragma once
 
 #include <memory>
@@ -15,22 +15,22 @@ struct DeviceScene;   // host/render/workspace/device_scene.h
 struct PackedScene;
 struct View; // host/scene/staging/view.h: the resolved camera
 
-// Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the
-// device, the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or
-// target_error ends it), nor on how often it was stopped and resumed.
+// Renders `scene` as seen by `view`. Throws Error if the device cannot hold the scene or fails. The bits of the result
+// depend on the device, the scene, the view and the settings alone. They do not depend on wave_slots, on timing (unless
+// time_limit ends the render), or on how often it was stopped and resumed.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const ProgressCallback& progress = {});
 
-// A scene that several renders on one device share, pilots among them: the first one uploads it. The device outlives
-// this.
+// A scene on a device that several renders share, pilots among them. The first render uploads it. The device must
+// outlive this.
 struct SceneOnDevice {
   std::shared_ptr<const DeviceScene> scene; // null before the first render
   double upload_seconds = 0.0;
-  LightProbabilities light_probabilities; // of the latest render that trained any
+  LightProbabilities light_probabilities; // of the latest render that trained them
 };
 
-// The same with kernels that may have been begun before the scene was known. `shared`: null where no other render
-// shares the scene.
+// The same, with kernels whose compilation may have begun before the scene was known. `shared`: null if no other render
+// uses the scene.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared = nullptr);
 

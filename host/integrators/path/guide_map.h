@@ -1,5 +1,5 @@
-// A density over the sphere, trained by directions and the light from there, and as kernels draw from it
-// (kernels/path/guide_map.glsl).
+// A density over the sphere, trained from directions and the light from there; and its packed form, from which kernels
+// draw (kernels/path/guide_map.glsl).
 #pragma once
 
 #include <array>
@@ -15,32 +15,34 @@ namespace wavepath {
 
 inline constexpr std::uint32_t kGuideCells = gpu::kGuideSide * gpu::kGuideSide;
 
-// What the directions of some vertices weigh, by cell.
+// Sums of the weights of directions, and of their squares, for each cell.
 struct Histogram {
   std::vector<double> sum = std::vector<double>(kGuideCells), squares = std::vector<double>(kGuideCells);
   void add(std::uint32_t cell, double weight);
   void add(const Histogram& other);
 };
 
-// Densities of the cells of grids of 2, 4, ..., kGuideSide cells a side, the coarsest first, each in Morton order:
-// cells 4 i to 4 i + 3 of a grid make up cell i of the one before it, whose density is their mean. Per solid angle,
-// over map_stretch().
+// Densities of the cells of grids with 2, 4, ..., kGuideSide cells a side, the coarsest first, each grid in Morton
+// order. Cells 4 i to 4 i + 3 of a grid make up cell i of the next coarser one, whose density is their mean. Densities
+// are per solid angle, divided by map_stretch().
 using GuideMap = std::vector<float>;
 
-// Of the finest grid, in that order.
+// Index of the cell of the finest grid that has the direction.
 std::uint32_t map_cell(const glm::vec3& direction);
-// Density per solid angle over what it would be if all cells had the same solid angle.
+// Factor from a density in the map to one per solid angle: the ratio of a cell of average solid angle to the
+// direction's.
 float map_stretch(const glm::vec3& direction);
 float map_density(const GuideMap& map, std::uint32_t cell);
 
 GuideMap even_map();
 
-// Densities from the whole sphere down: a cell divides its own among its four finer ones by their sums. Few samples, or
-// one that outweighs all others, tell little: by the effective number of samples n = (sum w)^2 / sum w^2 (Kish 1965),
-// some further ones count as spread like those of a larger part of the scene.
+// Trains densities from the whole sphere down: a cell divides its own among its four finer cells by their sums. Few
+// samples, or one that outweighs all others, say little. So samples are added that are spread as in `larger_part`, a
+// larger part of the scene; their number depends on the effective number of samples n = (sum w)^2 / sum w^2 (Kish
+// 1965).
 GuideMap train_map(const Histogram& histogram, const GuideMap& larger_part);
 
-// As kernels read it, whose weights are rounded: densities are those of what is drawn.
+// Packs a map for kernels. Weights are rounded; the densities written are those of the rounded weights.
 void write_map(const GuideMap& map, std::span<glm::uvec4, gpu::kGuideMapTexels> texels);
 
 } // namespace wavepath

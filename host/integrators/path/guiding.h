@@ -1,8 +1,8 @@
-// Training of the field that guides paths, in iterations of which each is guided by the one before.
+// Training of the guiding field, in iterations of which each is guided by the one before.
 //
-// The training pass is a pilot: a small picture of the same view, whose samples are discarded. Its records come in the
-// order of its paths, however waves were cut, so that the field depends on the scene, the view, its size, the seed and
-// the number of iterations alone: parts of a render and resumed renders train the same field.
+// The training pass is a pilot: a small picture of the same view, whose samples are discarded. Records are read in the
+// order of its paths, whatever the waves. So the field depends only on the scene, the view, the picture size, the seed
+// and the number of iterations, and the parts of a render and resumed renders train the same field.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +24,11 @@ inline constexpr std::uint64_t kGuideBytes = kGuideMapBytes + kGuideTreeBytes + 
 
 class GuideTraining {
 public:
-  // For a picture of this size.
+  // `width`, `height`: size of the training picture in pixels.
   GuideTraining(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations);
 
-  Pilot next() const; // one sample of every pixel of the pilot
-  // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
+  Pilot next() const; // requests one sample of every pixel of the pilot
+  // Takes in the records of that sample. Returns true if an iteration is complete, so that field() is new.
   bool take(const Buffer& records);
   bool is_done() const { return done_; }
   GuideReport report() const;
@@ -44,14 +44,14 @@ private:
   std::uint32_t width_, height_, most_iterations_;
   std::uint32_t sample_ = 0, iteration_ = 0;
   bool done_ = false;
-  std::vector<GuideVertex> vertices_;               // of this iteration, after those of some before it
-  std::vector<std::size_t> iteration_begins_ = {0}; // among them; of this one last
+  std::vector<GuideVertex> vertices_;               // of this iteration, preceded by those of some earlier ones
+  std::vector<std::size_t> iteration_begins_ = {0}; // their offsets in `vertices_`; last: this iteration's
   struct Sample {
-    float all, scattered; // luminance gathered; of that, from the first direction that could be guided
+    float all, scattered; // luminance of the sample; the part from the first direction that could be guided
   };
-  std::vector<Sample> samples_; // of this iteration, one picture after the other
-  std::vector<float> sums_;     // by pixel, over all iterations
-  double promise_ = 1.0;        // variance of a sample, guided over unguided
+  std::vector<Sample> samples_; // of this iteration, picture after picture
+  std::vector<float> sums_;     // sums over all iterations, for each pixel
+  double promise_ = 1.0;        // predicted variance of a sample, guided over unguided
   GuideField field_ = no_field();
 };
 

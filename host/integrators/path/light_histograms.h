@@ -1,4 +1,5 @@
-// Probabilities of kernels/light/light_selection.glsl, by cell and cluster: before training, and trained.
+// Probabilities of clusters of lights for each cell, before and after training; kernels/light/light_selection.glsl
+// reads them.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +15,19 @@ inline constexpr std::uint64_t kLightCellBytes =
     std::uint64_t{gpu::kLightCells} * gpu::kLightClusters * sizeof(std::uint32_t);
 inline constexpr std::uint64_t kLightSumBytes = 4 * kLightCellBytes;
 
-// Intervals of the integers, by cell and cluster, whose lengths are the probabilities.
+// Trained probabilities, as ends of intervals of the 32-bit integers: ends[cell * kLightClusters + cluster].
 struct TrainedLights {
   std::vector<std::uint32_t> ends;
-  std::uint32_t cells = 0; // that were trained
+  std::uint32_t cells = 0; // number of trained cells
 };
 
-// Every cell: the probabilities of groups of lights by power, local lights from the whole tree.
+// Probabilities without training, the same in every cell: groups of lights by power, local lights from the whole tree.
 std::vector<std::uint32_t> prior_light_cells(const PackedScene& scene);
 
-// Cells that the training pass has not visited keep the prior.
+// Probabilities after training. Cells that the training pass has not visited keep those without training.
 TrainedLights train_light_cells(const PackedScene& scene, std::span<const std::uint32_t> sums);
 
-// Units of the sums for one of radiance. `of_one_colour`: a sky of one colour is trained as well.
+// Units of the integer sums for radiance 1. `of_one_colour`: a sky of one colour is trained as well.
 double light_sum_scale(const PackedScene& scene, bool of_one_colour);
 
 } // namespace wavepath

@@ -1,8 +1,7 @@
-// The training pass for light selection, and the probabilities that come of it: for every integrator that follows
-// paths.
+// Trains light selection before a render, for every integrator that follows paths.
 //
-// It is a pilot: its samples find out which lights and which parts of the sky reach which cells of space, and are then
-// discarded.
+// The training pass is a pilot: its samples find out which lights and which parts of the sky reach which cells of
+// space, and are then discarded.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +18,19 @@ public:
   LightTrainer(Workspace& workspace, KernelCompiler& kernels, Paths& paths)
       : workspace_(workspace), kernels_(kernels), paths_(paths) {}
 
-  // Takes up settings, before the paths do; capacity() is then what they need besides.
+  // Adopts the settings. Called before Paths::change(), whose `options` must then include capacity().
   void change(const RenderPlan& settings);
   std::uint32_t capacity() const { return trains_ ? kCapacityForLightSums : 0; }
-  // Once the paths have taken up the settings: begins compiling the kernels of the training pass, or takes over the
-  // probabilities of another picture.
+  // Called after Paths::change(). Begins compiling the kernels of the training pass, or copies the probabilities that
+  // another render has trained.
   void start();
   bool is_ready() { return !trains_ || kernels_.ready(need_); }
   double get_ready() { return trains_ ? kernels_.best(need_).seconds() : 0.0; }
 
   bool trains() const { return trains_; }
-  Pilot begin();                                              // probabilities are by power until finish()
-  void finish();                                              // after the waves of the pass were waited for
-  const KernelSet& kernels() { return kernels_.best(need_); } // advance and connect of the pass
+  Pilot begin();                                              // until finish(), probabilities are by power
+  void finish();                                              // called after the waves of the pass were waited for
+  const KernelSet& kernels() { return kernels_.best(need_); } // `advance` and `connect` of the pass
   const LightTraining& report() const { return report_; }
 
 private:
@@ -42,7 +41,7 @@ private:
   Paths& paths_;
   bool trains_ = false;
   std::uint64_t training_paths_ = 0;        // Training::paths
-  bool of_lights_ = false, of_sky_ = false; // which probabilities there are, trained here or not
+  bool of_lights_ = false, of_sky_ = false; // which probabilities are in use, whoever trained them
   LightProbabilities taken_over_;
   KernelNeed need_;
   LightTraining report_;

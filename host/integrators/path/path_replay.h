@@ -1,4 +1,4 @@
-// One path of a picture, traced alone with the shipped kernels and recorded stage by stage.
+// Replays one path of a picture with the shipped kernels, and records it stage by stage.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ struct ShadowTrace {
   bool blocked = false;
 };
 
-// One bounce: where a ray led, what the path gained there, and how it went on.
+// One bounce: the ray, its hit, the light gained there, and the next direction.
 struct PathVertex {
   gpu::Ray ray;
-  gpu::Hit hit;                     // its triangle is kNone if the ray left the scene
-  gpu::PathState scattered;         // after shade: throughput and pdf of the next ray, emission gathered up to here
-  std::optional<float> pdf;         // of the next ray; a delta direction has none
-  std::vector<ShadowTrace> shadows; // of its light samples that want one
-  glm::vec3 radiance;               // gathered up to here, the light at the end of the shadow rays included
+  gpu::Hit hit;                     // triangle kNone = the ray left the scene
+  gpu::PathState scattered;         // after `shade`: throughput and pdf of the next ray, and emission gathered so far
+  std::optional<float> pdf;         // of the next ray; empty for a delta lobe
+  std::vector<ShadowTrace> shadows; // of those light samples that needed one
+  glm::vec3 radiance;               // gathered so far, including the light of these shadow rays
 };
 
 enum class PathEnd { escaped, unlit, depth, absorbed, roulette, nonfinite };
@@ -36,8 +36,8 @@ struct PathTrace {
   std::uint32_t sample = 0;
   std::vector<PathVertex> vertices;
   PathEnd end = PathEnd::depth;
-  glm::vec3 radiance{};               // of the sample
-  std::optional<std::uint32_t> maker; // kMaker...: the kernel that made it not finite
+  glm::vec3 radiance{};               // of the whole sample
+  std::optional<std::uint32_t> maker; // kernel that made it not finite (kMaker...); empty = finite
 };
 
 class PathReplay {
@@ -45,9 +45,9 @@ public:
   PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
              KernelCompiler& kernels);
 
-  // The path has the bits that it has in a render with the same settings, if these have the fractions of lights that it
-  // learned (Training::found).
-  // `replicate`: 1 is the second one of a probed pixel; throws Error if the pixel has none.
+  // Traces the path. It has the same bits as in a render with the same settings, if Training::found holds the
+  // probabilities that the render learned. `replicate`: 1 is the second one of a probed pixel. Throws Error if the
+  // pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t replicate = 0);
 
 private:
@@ -59,13 +59,13 @@ private:
   ShadowTrace connect(std::uint32_t bounce, std::uint32_t light_sample, const gpu::PathState& state);
   PathEnd reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived);
 
-  Workspace workspace_; // of one slot
+  Workspace workspace_; // workspace of one path
   Paths paths_;
   LightTrainer trainer_;
   gpu::Wave wave_{};
 };
 
-// Of a hit that is not a miss, in the device's world.
+// Position of a hit, in the device's world space. The hit must not be a miss.
 glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit);
 
 } // namespace wavepath

@@ -29,7 +29,7 @@ public:
 private:
   enum class Training { none, lights, guide };
 
-  std::uint32_t capacity() const; // bits of BufferDimensions::options for training and what comes of it
+  std::uint32_t capacity() const; // bits of BufferDimensions::options that training and trained data need
   void train_guide();
   void use_field(const GuideField& field);
 
@@ -38,10 +38,10 @@ private:
   Paths paths_;
   LightTrainer trainer_;
   RenderPlan settings_;
-  Training training_ = Training::none;           // that the pilot in progress, or the next one, is for
-  std::optional<GuideTraining> guide_training_;  // until training has ended
-  std::optional<GuideReport> guide_report_;      // once training has ended
-  KernelNeed guided_need_, guide_training_need_; // their own shade and escape kernels
+  Training training_ = Training::none;           // purpose of the pilot in progress, or of the next one
+  std::optional<GuideTraining> guide_training_;  // empty once training has ended
+  std::optional<GuideReport> guide_report_;      // empty until training has ended
+  KernelNeed guided_need_, guide_training_need_; // `shade` and `escape` of guided paths, and of guide training
 };
 
 } // namespace wavepath

@@ -1,5 +1,5 @@
-// Paths in flight: their state, the queues between the stages that trace them, and those stages. Every integrator
-// that follows paths owns one.
+// Paths in flight: their state, the queues between the stages that trace them, and those stages. Every integrator that
+// follows paths owns a `Paths`.
 #pragma once
 
 #include <cstdint>
@@ -33,13 +33,14 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
   return bits;
 }
 inline constexpr std::uint32_t kLightingStages =
-    stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
+    stage_bits({kAdvance, kExtend, kShade, kConnect}); // stages from a first hit on
 inline constexpr std::uint32_t kAllPathStages =
     stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
-                kAccumulate}); // of a path tracer that is not training
+                kAccumulate}); // stages of a path tracer that is not training
 
 extern const KernelProgram kPathProgram;
-extern const KernelProgram kGuideTrainingProgram; // the same stages; a set of one never stands in for one of the other
+// The same stages with other layouts: a kernel set of one program cannot replace one of the other.
+extern const KernelProgram kGuideTrainingProgram;
 
 // Buffers of Paths, by index.
 enum PathBuffer : std::size_t {
@@ -62,7 +63,7 @@ enum PathBuffer : std::size_t {
 
 // Bits of BufferDimensions::options.
 inline constexpr std::uint32_t kCapacityForShadowRays = 1u << 0, kCapacityForSeen = 1u << 1,
-                               kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
+                               kStatesAlone = 1u << 2, // another kernel traces the rays, so there are no queues
     kCapacityForLightSums = 1u << 3, kCapacityForGuide = 1u << 4, kCapacityForGuideRecords = 1u << 5,
                                kCapacityForSortedRays = 1u << 6, kCapacityForReuse = 1u << 7;
 
@@ -70,24 +71,26 @@ class Paths {
 public:
   Paths(Workspace& workspace, KernelCompiler& kernels);
 
-  // Takes up settings and the workspace's frame: begins compiling `stages` and reserves memory. `options`: see above.
-  // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
+  // Adopts the settings and the workspace's frame: begins compiling `stages` and reserves memory. `options`: kCapacity
+  // bits and kStatesAlone. `film_features`: kFeature bits of the integrator's other kernels. Returns true if buffers
+  // were replaced.
   bool change(const RenderPlan& settings, std::uint32_t stages, std::uint32_t options, gpu::Feature film_features = 0);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
   const KernelConfig& config() const { return need_.config; }
-  const KernelSet& kernels() { return kernels_.best(need_); } // may be a better one than for the last wave
+  // May return a more specialized set than for the last wave.
+  const KernelSet& kernels() { return kernels_.best(need_); }
 
-  // Recorded into commands that bindings(band) are bound to; bounce 0 is that of camera rays. A barrier comes before
-  // each, and none after.
-  // `is_prepared`: by connect of the bounce before.
+  // The functions below record into `commands`, to which bindings(band) must be bound. Bounce 0 is that of camera rays.
+  // A barrier is recorded before each stage, and none after.
+  // `is_prepared`: connect() of the bounce before has prepared it.
   void extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
               bool is_prepared = false) const;
-  // Where rays are sorted, it also ends the paths that escaped. `shading`: the set of shade, and of escape.
+  // Where rays are sorted, also dispatches `escape`. `shading`: the kernel set that has `shade` and `escape`.
   void shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
              std::uint32_t bounce) const;
-  // One after the other the shadow rays of each light sample. `prepares_extend`: of the next bounce as well, if there
-  // are any; shade must sort its rays then. Returns whether it has.
+  // Traces the shadow rays of each light sample, one sample after the other. `prepares_extend`: also prepares `extend`
+  // of the next bounce, if shadow rays are traced; `shade` must sort its rays then. Returns true if it did.
   bool connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
                bool prepares_extend = false) const;
 
@@ -101,25 +104,26 @@ private:
   Workspace& workspace_;
   KernelCompiler& kernels_;
   KernelNeed need_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
-// The kernels of `stages`: escape only where escapes are sorted.
+// Kernels of `stages`; `escape` is included only where escaped rays are sorted.
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config);
 
-// Of a path in the queues of its light samples, however many. A window keeps its number of paths when these change.
+// Bytes of a path in the shadow-ray queues with the largest number of light samples. A window reserves these, so that
+// its number of paths does not depend on the setting.
 inline constexpr std::uint64_t kMostShadowRayBytes = gpu::kMostLightSamples * sizeof(gpu::ShadowRay);
 
 // Numbers and kinds of all bindings of the path kernels, without buffers.
 std::vector<Binding> path_layout();
 
-// kFeature bits that a view and settings ask for in this scene.
+// kFeature bits that a view and settings need in this scene.
 gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings);
 
-// kFeature bits of kernels that fill the film: those of the AOVs asked for.
+// kFeature bits of kernels that fill the film: those of the requested AOVs.
 gpu::Feature film_features(const RenderPlan& settings);
 
-// Bytes of path state and queues that one path in flight takes, for the features given and as many light samples where
+// Bytes of state and queues of one path in flight. `options`: as in Paths::change(). `light_samples`: of the path where
 // it first scatters.
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples = 1);
 

@@ -1,4 +1,5 @@
-// Probabilities of kernels/light/learned_sky.glsl, by cell and part of the sky: before training, and trained.
+// Probabilities of parts of the sky for each cell, before and after training; kernels/light/learned_sky.glsl reads
+// them.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +17,13 @@ inline constexpr std::uint64_t kSkySumBytes =
 
 struct TrainedSky {
   std::vector<std::uint32_t> ends;
-  std::uint32_t cells = 0; // that were trained
+  std::uint32_t cells = 0; // number of trained cells
 };
 
-// Every cell: all parts alike.
+// Probabilities without training: every part of the sky has the same, in every cell.
 std::vector<std::uint32_t> prior_sky_cells();
 
-// Cells that the training pass has not visited keep the prior.
+// Probabilities after training. Cells that the training pass has not visited keep those without training.
 TrainedSky train_sky_cells(std::span<const std::uint32_t> sums);
 
 } // namespace wavepath

@@ -9,19 +9,19 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kMostPilotSamples = 32; // of a pixel of it
-constexpr std::uint32_t kPilotFraction = 32;    // of the render's paths: one in so many
+constexpr std::uint32_t kMostPilotSamples = 32; // a pixel
+constexpr std::uint32_t kPilotFraction = 32;    // the pilot has 1 of so many paths of the render
 // A pilot misses what is rare: no run counts as quieter than this fraction of the average.
 constexpr double kQuietest = 0.03;
-// Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
+// Runs below kNoiseless times the average count as background, whose samples take kBackgroundTime of the time of others
 // (StanfordDragon under a map, llvmpipe).
 constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
-constexpr double kFewest = 0.9; // of the samples asked for
-constexpr double kStep = 0.059; // between scales that are tried, of base 2: 4 %
-// Pixels of the pilot, a run or in small pictures half a run: so far noise is taken for alike.
+constexpr double kFewest = 0.9; // least samples, relative to those asked for
+constexpr double kStep = 0.059; // step between scales that are tried, as a base-2 logarithm: 4 %
+// Pixels of the pilot within which noise counts as uniform: a run, or half a run in small pictures.
 constexpr int kReach = 2;
 
-// Squared error by pixel of the pilot, as relMSE weighs it.
+// Squared error of each pixel of the pilot, weighted as relMSE does.
 struct NoiseMap {
   explicit NoiseMap(const Film& pilot) : width(pilot.width), height(pilot.height), squared(pilot.shape().pixels()) {
     for (std::size_t i = 0; i < squared.size(); ++i) {
@@ -36,14 +36,14 @@ struct NoiseMap {
   std::vector<double> squared;
 };
 
-// Which pixels of a chequerboard count: what one half chooses, the other may judge.
+// The pixels of a chequerboard that count: one half chooses levels, the other judges them.
 enum class Squares { white, black, all };
 
 bool counts(Squares squares, std::uint32_t x, std::uint32_t y) {
   return squares == Squares::all || ((x + y) % 2 == 0) == (squares == Squares::white);
 }
 
-// The mean of every pixel's surroundings.
+// Replaces every value by the mean of its neighbourhood.
 std::vector<double> smoothed(const NoiseMap& map, Squares squares) {
   const auto range = [](std::uint32_t at, std::uint32_t size) {
     const int from = std::max(static_cast<int>(at) - kReach, 0),
@@ -81,7 +81,8 @@ std::vector<std::uint32_t> shown_by(const NoiseMap& map, std::uint32_t width, st
   return shown;
 }
 
-// Means over the runs of the picture that `shown` lays out; of all their pixels where none counts.
+// Means over the runs of the picture, of the pixels that count; if none counts in a run, of all its pixels. `shown`:
+// pixel of the pilot for each pixel of the picture.
 std::vector<double> by_run(const NoiseMap& map, const std::vector<double>& values, Squares squares,
                            const std::vector<std::uint32_t>& shown) {
   std::vector<double> weights;
@@ -106,7 +107,7 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// From the logarithms, of base 2, of the deviations and of their scale.
+// Levels from base-2 logarithms of the standard deviations and of their scale.
 std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double scale, int lowest) {
   std::vector<std::int8_t> levels;
   levels.reserve(deviations.size());
@@ -117,7 +118,7 @@ std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double
   return levels;
 }
 
-// Squared error times time with these levels, over that without, as runs of `squared` judge them.
+// Squared error times time with these levels, relative to none, by the squared errors of the runs.
 double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>& squared) {
   const double least = kNoiseless * mean_of(squared);
   double even_error = 0.0, even_time = 0.0, error = 0.0, time = 0.0;
@@ -129,8 +130,8 @@ double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>
   return even_error > 0.0 ? error * time / (even_error * even_time) : 1.0;
 }
 
-// In proportion to the roots of squared errors by run, as far as levels go. Where runs of like noise would be
-// rounded some up and some down for the sake of the total, fewer samples serve better.
+// Chooses levels in proportion to the square roots of the runs' squared errors, as far as powers of two can. Rounding
+// runs of like noise some up and some down would meet the total, but fewer samples serve better.
 std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uint64_t pixels, int lowest) {
   const double floor = kQuietest * mean_of(squared);
   if (!(floor > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere

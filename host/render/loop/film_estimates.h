@@ -1,4 +1,4 @@
-// Estimates the error of the film on a thread, from a copy that the device made, while it goes on with the next waves.
+// Estimates the error of the film on a thread, from a copy made by the device, while the device renders the next waves.
 #pragma once
 
 #include <chrono>
@@ -15,21 +15,22 @@ namespace wavepath {
 struct FilmEstimate {
   std::shared_ptr<const Film> film;
   ErrorEstimate error;
-  double seconds = 0.0; // that reading the copy and estimating took
+  double seconds = 0.0; // seconds of reading the copy and estimating
 };
 
-// Copies of the film, used again and again, and the estimates made of them.
+// Pool of copies of the film, and the estimates made from them.
 class FilmEstimates {
 public:
   explicit FilmEstimates(Device& device) : device_(device) {}
 
   // Records a copy of the film. Throws Error if there is no memory for it.
   std::shared_ptr<FilmSnapshot> copy(Commands& commands, const FilmTarget& film);
-  // Once the copy has been waited for. It is free again when the estimate is there.
+  // Begins an estimate from a copy whose commands have been waited for. The copy returns to the pool after the
+  // estimate.
   std::future<FilmEstimate> begin(std::shared_ptr<FilmSnapshot> copy);
-  // Returns a copy that was taken and not given to begin(), or whose estimate has been taken in.
+  // Returns to the pool a copy that was not given to begin(), or whose estimate has been taken in.
   void give_back(std::shared_ptr<FilmSnapshot> copy) { free_.push_back(std::move(copy)); }
-  // An estimate that nobody waits for any more goes on by itself, with the copy that it holds.
+  // Detaches an estimate whose result is no longer needed. It keeps its copy until it ends.
   void abandon(std::future<FilmEstimate> estimate);
 
 private:
@@ -38,10 +39,10 @@ private:
   std::vector<std::future<FilmEstimate>> abandoned_;
 };
 
-// Estimate of the film itself, at once. Nothing may be in flight.
+// Estimates the film itself, before returning. Nothing may be in flight.
 std::future<FilmEstimate> estimate_now(const FilmTarget& film);
 
-// True if the value of the future is there; false if there is no future.
+// True if the future has its value; false if there is no future.
 template <class T>
 bool is_there(const std::future<T>& future) {
   return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;

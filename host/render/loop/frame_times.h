@@ -1,4 +1,4 @@
-// Time that a stage takes, frame by frame.
+// Statistics of the time that a stage takes in each frame.
 #pragma once
 
 #include <vector>
@@ -10,17 +10,17 @@ namespace wavepath {
 
 class FrameTimes {
 public:
-  // `stage`: the name that its time is counted under.
+  // `stage`: name under which WaveQueue counts the time.
   explicit FrameTimes(const char* stage) : stage_(stage) {}
 
-  // When a frame's work is done; `totals` are those of the whole render so far.
+  // Called when a frame is done. `totals`: of the whole render so far.
   void note_frame(const Totals& totals);
-  // Median with spread, of frames that were not the first: drivers compile at the first dispatch.
+  // Median, least and most, without the first frame: drivers compile at the first dispatch.
   FrameCost cost() const;
 
 private:
   const char* stage_;
-  double before_ = 0.0; // seconds, until the last frame
+  double before_ = 0.0; // seconds of all frames before
   std::vector<double> frames_;
 };
 

@@ -1,4 +1,4 @@
-// How many paths a wave may have so that dispatches stay short.
+// Governs the length of waves, so that dispatches stay short.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 namespace wavepath {
 
 inline constexpr double kLongestDispatch = 0.1; // seconds, far below any driver's watchdog
-// Paths, before anything is known of the device's speed. No watchdog looks at CPUs, and a wave costs them some
-// milliseconds however short it is; so long a one takes two cores a tenth of a second in most scenes, a whole one in
-// the slowest.
+// Paths of the first waves, before the speed of the device is known. CPUs have no watchdog, and even a short wave costs
+// them some milliseconds. So their first wave is longer: on two cores it takes a tenth of a second in most scenes, and
+// a whole second in the slowest.
 inline constexpr std::uint32_t kFirstWave = 8192, kFirstWaveOfCpu = 1u << 16;
 
-// Halves the wave when a dispatch took too long. If there is time and memory for at least twice as many paths, takes as
-// many at once as are sure to fit: a longer wave takes less time a path, and short waves are expensive.
+// Halves the wave if a dispatch took too long. If time and memory allow at least twice as many paths, takes at once as
+// many as surely fit: longer waves take less time for each path.
 class Governor {
 public:
   // `first`: paths of the waves that are sent before the first one's time is known.
@@ -30,7 +30,8 @@ public:
   }
 
 private:
-  // To half of the time allowed; not all at once, because the first waves may differ from the rest of the picture.
+  // Factor that fills half of the allowed time. At most 8, because the first waves may differ from the rest of the
+  // picture.
   double growth(double longest_dispatch) const {
     return longest_dispatch > 0.0 ? std::min(longest_ / 2 / longest_dispatch, 8.0) : 8.0;
   }

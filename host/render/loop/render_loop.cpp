@@ -18,8 +18,8 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kAdaptivePass = 16; // samples
-// Of what auto tries: costs above this are not told from chance.
-constexpr double kWorthwhile = 0.9; // as of pilots before the render (host/plan/pilots.h)
+// The noise pilot of `auto` is followed only if its relative cost is below this; higher costs may be chance.
+constexpr double kWorthwhile = 0.9; // the threshold of the other pilots (host/plan/pilots.h)
 
 // Windows, and renders that end by the clock, want to be asked again soon.
 std::uint32_t first_wave(const DeviceInfo& device, const LoopPolicy& policy, const RenderPlan& settings) {
@@ -34,14 +34,15 @@ RenderPlan whole_passes(RenderPlan settings) {
   return settings;
 }
 
-// Looks are apart by so many samples that all replicates have as many, and all levels.
+// Distance between looks at the error: a multiple of the samples that give all replicates, and all levels, equally
+// many.
 Target make_target(const RenderPlan& settings, bool has_levels, std::uint32_t next_check = 0) {
   const std::uint32_t step = has_levels ? kAdaptiveStep : gpu::kReplicates;
   return {settings.target_error, settings.first_sample, settings.last_sample, step, next_check};
 }
 
-// A CPU device computes on the cores that an estimate needs: side by side, both take longer than one after the other
-// (1.5 to 2.7 % of a render). A window has no time to wait for it.
+// True if an estimate runs before the next wave. A CPU device computes on the cores that the estimate needs: together,
+// both take longer than one after the other (1.5 to 2.7 % of a render). A window has no time to wait for it.
 bool are_at_once(const DeviceInfo& device, const LoopPolicy& policy) {
   return device.type == "cpu" && policy.estimates == Estimates::all;
 }
@@ -67,11 +68,10 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
 }
 
 RenderLoop::~RenderLoop() {
-  queue_.abandon(); // before anything goes that waves in flight or estimates use
+  queue_.abandon(); // before anything is destroyed that waves in flight or estimates use
 }
 
-// What is in flight counts no more. Estimates in progress go on by themselves, each with the copy of the film that it
-// holds.
+// Discards what is in flight. Estimates in progress end by themselves, each with the copy of the film that it holds.
 void RenderLoop::abandon() {
   abandoning_ = true;
   queue_.drain();
@@ -150,7 +150,7 @@ bool RenderLoop::step() {
   return true;
 }
 
-// What comes before the first sample: pilots, and the state of an earlier render.
+// Does what comes before the first sample: pilots, and restoring the state of an earlier render.
 void RenderLoop::begin() {
   begun_ = true;
   result_.compile_seconds = integrator_->get_ready();
@@ -219,7 +219,7 @@ void RenderLoop::explore(const Pilot& pilot) {
   queue_.totals.nonfinite = {};
 }
 
-// Finds out where there is noise. Interrupted, it leaves that to a render that is resumed.
+// Renders the noise pilot and distributes samples by it. If it is interrupted, a resumed render makes it instead.
 void RenderLoop::adapt_levels() {
   const FilmShape shape = noise_pilot_shape(workspace_.film);
   const bool open_ended = settings_.time_limit > 0.0 || settings_.target_error > 0.0; // it may be short
@@ -251,8 +251,8 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   mean_factor_ = mean_factor(levels, pixels());
 }
 
-// A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where
-// the error is estimated between two.
+// End of the pass in progress. A pass gives every pixel the same samples: one, or as many as fill a wave. It ends at
+// checkpoints and where the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = levels_.empty() ? 1 : kAdaptiveStep;
   const std::uint32_t wave = policy_.fixed_wave ? policy_.fixed_wave : governor_.wave();
@@ -273,15 +273,15 @@ std::uint32_t RenderLoop::pass_end() const {
   return end;
 }
 
-// Of what a wave takes at least, a pixel or a quad.
+// Samples of a wave's smallest unit, a pixel or a quad, for which there are slots.
 std::uint32_t RenderLoop::sample_capacity() const {
   const std::uint32_t least = workspace_.film.shape().quads ? gpu::kQuadPixels : 1;
   return workspace_.slots / (least * integrator_->paths_per_pixel(1));
 }
 
-// Pixels of a segment, of which `done` have their samples, that join a wave of `slots` paths so far, with `count`
-// samples each: as many as a wave holds, one at least, or one quad. The only place where waves are cut, never within a
-// quad: segments hold the entries of one side by side.
+// Number of further pixels of a segment that join a wave of `slots` paths so far, with `count` samples each. `done`
+// pixels of the segment have their samples already. Returns as many as the wave holds, but at least one pixel or quad.
+// Waves are cut here only, never within a quad, whose entries are side by side in a segment.
 std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
                                   std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
@@ -316,7 +316,7 @@ void RenderLoop::submit_wave(std::size_t band, const gpu::Wave& wave, std::uint3
   queue_.submit([&](Commands& commands) { integrator_->record_wave(commands, band, wave); }, std::move(work));
 }
 
-// What is next of the pass. Levels share a wave, since the pixels of one alone may be few.
+// Submits the next wave of the pass. Levels share a wave, since one level alone may have few pixels.
 void RenderLoop::submit_next_wave() {
   const Segment first = segments_[cursor_.segment];
   gpu::Wave wave = wave_of(first, cursor_.pixels_done, 0, cursor_.sample, cursor_.pass_samples);
@@ -346,7 +346,7 @@ void RenderLoop::end_pass() {
     pass_began_busy_ = queue_.totals.busy_seconds;
   });
   cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
-  // What the last look at the error decides is known before the next one begins, whatever the timing.
+  // The decision of the last look must be known before the next look begins, whatever the timing.
   if (target_.limit() > 0 && (cursor_.sample >= target_.limit() || is_checkpoint())) collect_estimates(true);
   if (!stopped_ && (is_checkpoint() || is_check())) checkpoint();
 }

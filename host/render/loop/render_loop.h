@@ -1,5 +1,5 @@
-// The one render loop: cuts passes into waves, keeps two of them in flight, governs their length, takes the time, makes
-// checkpoints, estimates the error beside the next waves, and ends the render.
+// The render loop, the only one: cuts passes into waves, keeps two of them in flight, governs their length, measures
+// the time, makes checkpoints, estimates the error during the next waves, and ends the render.
 #pragma once
 
 #include <cstdint>
@@ -24,57 +24,56 @@
 
 namespace wavepath {
 
-// Which checkpoints get an estimate of the error: all that the device need not wait for, or that decide; but for the
-// last those alone that take little of the time; none.
+// Checkpoints that get an estimate of the error. all: every one for which the device need not wait, or that decides
+// something. cheap: the last one, and those that take little of the time. none.
 enum class Estimates { all, cheap, none };
 
-// How a loop is driven: to its end at once, or in steps by a window.
+// Policy of a loop: run to the end at once, or stepped by a window.
 struct LoopPolicy {
   double longest_dispatch = kLongestDispatch; // seconds
-  bool by_wave = false;                       // longest_dispatch bounds whole waves, so that step() returns soon
+  bool by_wave = false;                       // longest_dispatch limits whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
-  bool clock_is_busy_time = false; // the time between steps does not count
-  std::uint32_t least_slots = 0;   // of paths in flight
+  bool clock_is_busy_time = false; // the clock counts only the time that the device is busy, not the time between steps
+  std::uint32_t least_slots = 0;   // limits of paths in flight
   std::uint32_t most_slots = ~0u;
   std::uint32_t fixed_wave = 0; // paths of a wave, for measurements; 0 = governed
 };
 
 class RenderLoop {
 public:
-  // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks'
-  // resume state outlive the loop. Throws Error if the device cannot hold it.
+  // Uploads the scene unless `uploaded` holds it, and begins compiling. `scene`, `kernels` and the state in
+  // hooks.resume must outlive the loop. Throws Error if the device cannot hold the scene.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
              KernelCompiler& kernels, RenderHooks hooks = {}, const LoopPolicy& policy = {},
              std::shared_ptr<const DeviceScene> uploaded = nullptr);
   ~RenderLoop(); // waits for what is in flight
 
-  // Begins anew with another view and other settings of the same scene. Data on the device is kept where it serves.
+  // Starts over with another view and other settings of the same scene. Reuses data on the device where possible.
   void restart(const View& view, const RenderPlan& settings, TemporalHistory history = TemporalHistory::forget);
 
-  // True if there are kernels to begin with, so that step() will not wait for any.
+  // True if enough kernels are compiled that step() will not wait for any.
   bool is_ready() { return integrator_->is_ready(); }
-  // Waits for them. Returns the seconds that compiling took.
+  // Waits for kernels. Returns the seconds that compiling took.
   double get_ready() { return integrator_->get_ready(); }
 
-  // Hands the device one wave more; where two are in flight, waits for the older one first. False if nothing is left to
-  // do.
+  // Submits one more wave; if two are in flight, waits for the older one first. Returns false if no work is left.
   bool step();
   bool is_done() const;
   // Waits for all waves in flight.
   void drain() { queue_.drain(); }
-  // Takes in estimates of the error that have been finished; all of them with `wait`.
+  // Takes in finished estimates of the error; with `wait`, waits for all of them.
   void collect_estimates(bool wait);
-  // The result of a loop that is done.
+  // Result of a loop that is done.
   RenderResult finish();
-  // The result up to the last estimate of the error, after step() or finish() threw that the device is lost. Throws the
-  // same where there was no estimate yet.
+  // Result up to the last estimate of the error, for use after step() or finish() threw DeviceLost. Throws `lost` again
+  // if there is no estimate yet.
   RenderResult salvage(const DeviceLost& lost);
 
-  // How far it is. Samples count once their last wave has been handed over.
+  // Samples a pixel so far. A sample counts when its last wave has been submitted.
   std::uint32_t spp() const { return cursor_.sample - settings_.first_sample; }
   bool in_pass() const { return cursor_.pass_samples > 0; }
-  double seconds() const;                                 // rendering alone
-  double pixel_seconds() const { return pixel_seconds_; } // of one sample of one pixel in the last pass; 0 = unknown
+  double seconds() const;                                 // of rendering alone
+  double pixel_seconds() const { return pixel_seconds_; } // for one sample of one pixel in the last pass; 0 = unknown
   const std::vector<Checkpoint>& checkpoints() const { return result_.checkpoints; }
   const Totals& totals() const { return queue_.totals; }
   MemoryUse memory() const;
@@ -84,10 +83,10 @@ public:
   const Integrator& integrator() const { return *integrator_; }
 
 private:
-  struct Pending { // a checkpoint, or an estimate of the error between two
+  struct Pending { // a checkpoint, or an estimate between two checkpoints
     Checkpoint point;
     Totals totals;
-    std::uint32_t sample = 0; // one past the last that it holds
+    std::uint32_t sample = 0; // end of the range of samples that it holds
     bool is_checkpoint = false, measured = false;
     std::shared_ptr<FilmSnapshot> copy; // null: too few samples for an estimate
     std::future<FilmEstimate> estimate;
@@ -95,7 +94,7 @@ private:
 
   bool traces_paths() const { return settings_.integrator->traces_paths; }
   std::uint64_t pixels() const { return workspace_.film.pixels(); }
-  std::uint64_t entries() const { return workspace_.film.shape().entries(); } // that a pass covers
+  std::uint64_t entries() const { return workspace_.film.shape().entries(); } // entries of the film that a pass covers
   std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
   std::uint32_t samples_per_pixel() const;
   void pause_clock();
@@ -158,12 +157,12 @@ private:
   FilmEstimates estimates_;
   const bool estimates_at_once_;
   Target target_;
-  double estimate_pixel_seconds_ = 0.0; // of the last one
-  std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached
+  double estimate_pixel_seconds_ = 0.0; // duration of the last estimate, for each pixel
+  std::shared_ptr<const Film> film_;    // the film as of `film_sample_`
   std::uint32_t film_sample_ = 0;
-  std::uint32_t film_next_check_ = 0; // what target_ said then
-  std::uint32_t saved_sample_ = 0;    // that the last periodic save had reached
-  Checkpoint last_;                   // of that film
+  std::uint32_t film_next_check_ = 0; // target_.next_check() at that time
+  std::uint32_t saved_sample_ = 0;    // sample of the last periodic save
+  Checkpoint last_;                   // checkpoint of film_
   Totals film_totals_;
   RenderResult result_;
 

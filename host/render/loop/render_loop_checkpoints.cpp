@@ -1,4 +1,4 @@
-// Checkpoints of the render loop: estimates of the error beside the next waves, the target, states to resume from, and
+// Checkpoints of the render loop: estimates of the error during the next waves, the target, states to resume from, and
 // the result.
 #include <algorithm>
 #include <bit>
@@ -14,12 +14,12 @@
 namespace wavepath {
 namespace {
 
-// Estimates in progress at once: each holds a copy of the film.
+// Limit of estimates in progress; each holds a copy of the film.
 constexpr std::size_t kMostPending = 2;
-constexpr double kEstimateFraction = 0.02; // of the time, where estimates may be skipped
+constexpr double kEstimateFraction = 0.02; // of the render's time, where estimates may be skipped
 constexpr std::chrono::seconds kShowInterval{1};
-constexpr int kShowPause = 19;          // times what showing took
-constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
+constexpr int kShowPause = 19;          // pause between pictures shown, in durations of showing one
+constexpr double kFirstEstimate = 1e-7; // assumed seconds a pixel of the first estimate
 
 double gpu_seconds(const Totals& totals) {
   double sum = 0.0;
@@ -36,7 +36,7 @@ ErrorEstimate unknown_error() {
 
 bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cursor_.sample == settings_.last_sample; }
 
-// Where estimates may be skipped: coarse pictures in a window, and those that would take more of the time.
+// False if an estimate is not worth its time: those of coarse pictures in a window, and long ones.
 bool RenderLoop::pays() const {
   if (policy_.estimates != Estimates::cheap) return policy_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;
@@ -46,9 +46,9 @@ bool RenderLoop::pays() const {
   return pending_.empty() && result_.estimate_seconds + cost <= kEstimateFraction * seconds();
 }
 
-// Whether this checkpoint has an estimate. Where others are still being made the device would have to wait for them, so
-// that one by which nothing is decided is left out: at 1920x1080 an estimate takes as long as a fast GPU takes for 60
-// samples of the Cornell box.
+// True if this checkpoint gets an estimate. If too many are in progress, the device would have to wait. So an estimate
+// that decides nothing is left out: at 1920x1080 it takes as long as a fast GPU takes for 60 samples of the Cornell
+// box.
 bool RenderLoop::gets_estimate() const {
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) return false; // of fewer samples there is none
   const bool decides = settings_.target_error > 0.0 || hooks_.checkpoint || cursor_.sample == settings_.last_sample;
@@ -59,7 +59,7 @@ std::size_t RenderLoop::copies_in_use() const {
   return static_cast<std::size_t>(std::ranges::count_if(pending_, [](const Pending& p) { return p.copy != nullptr; }));
 }
 
-// Has the device copy the film, and its error estimated beside the next waves.
+// Makes a checkpoint: the device copies the film, and its error is estimated during the next waves.
 void RenderLoop::checkpoint() {
   if (!pays()) return;
   collect_estimates(false);
@@ -85,7 +85,7 @@ void RenderLoop::checkpoint() {
                 {.done = [this, &pending](const Finished&) { measure(pending); }});
 }
 
-// The device has reached the checkpoint: notes time and counts, and begins the estimate.
+// Called when the device has reached the checkpoint: notes time and counts, and begins the estimate.
 void RenderLoop::measure(Pending& pending) {
   if (abandoning_) return;
   pending.totals = queue_.totals;
@@ -106,7 +106,7 @@ void RenderLoop::collect_estimates(bool wait) {
   }
 }
 
-// The oldest checkpoint becomes part of the result, as soon as its estimate is there.
+// Moves the oldest checkpoint into the result, when its estimate is finished.
 void RenderLoop::take_in_first() {
   while (!pending_.front().measured && queue_.finish_one()) {
   }
@@ -139,8 +139,8 @@ void RenderLoop::take_in_first() {
   if (ends) stop_at(pending);
 }
 
-// Ends the render with the film that was judged. Waves that were rendered meanwhile do not count, so that the picture
-// does not depend on timing.
+// Ends the render with the film that was judged. Later waves do not count, so that the picture does not depend on
+// timing.
 void RenderLoop::stop_at(const Pending& judged) {
   stopped_ = true;
   result_.stop = StopReason::target_error; // even if time or the user stopped what came after

@@ -9,14 +9,14 @@
 
 namespace wavepath {
 
-// All pixels, without error probes.
+// One segment for each band: all pixels, without error probes.
 std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
 
-// All pixels and error probes of the film.
+// Segments of all pixels and error probes of the film.
 std::vector<Segment> all_segments(const FilmTarget& film);
 
-// Sorts the entries of each band by the level of their pixel's run. `entries` becomes the list that segments
-// refer to.
+// Segments of an adaptive render: sorts the entries of each band by the level of their pixel's run. `entries`: becomes
+// the list that the segments index.
 std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
                                     std::vector<std::uint32_t>& entries);
 

@@ -1,4 +1,4 @@
-// The error at which a render shall stop: when to look at the error, such that the stop does not depend on timing.
+// Ends a render at a target error, by looks at the error whose samples do not depend on timing.
 #pragma once
 
 #include <cstdint>
@@ -8,33 +8,34 @@
 
 namespace wavepath {
 
-// Samples are indices of one pixel, as in RenderCursor. A look is an estimate of the film as it was at a sample; what
-// it found is told later, in the order of the looks, while rendering goes on.
+// Schedule of looks. A look is an estimate of the film as it was at a sample (index within a pixel, as in
+// RenderCursor). Its result arrives later, while rendering continues; results arrive in the order of the looks.
 class Target {
 public:
-  Target() = default; // none: a render of all its samples
-  // `step`: looks are apart by a multiple of it. `next_check`: of a resumed render, what next_check() said.
+  Target() = default; // no target: all samples are rendered
+  // `relative_rms`: the error to reach. `step`: distances between looks are multiples of it. `next_check`: for a
+  // resumed render, the value of next_check() in its state.
   Target(double relative_rms, std::uint32_t first_sample, std::uint32_t last_sample, std::uint32_t step,
          std::uint32_t next_check = 0);
 
   bool is_set() const { return relative_rms_ > 0.0; }
-  // Sample at which to look, besides the checkpoints; 0 = none.
+  // Sample of the next look between checkpoints; 0 = none.
   std::uint32_t next_check() const { return next_check_; }
-  // While a look that may end the render is not known, no pass goes beyond this sample: the one at which the next look
-  // might be due. 0 = no bound.
+  // Sample that no pass may exceed while the result of a look is unknown: the next look might be due there. 0 = no
+  // limit.
   std::uint32_t limit() const { return limit_; }
 
-  // A look at `sample` has begun, at a film of `spp` samples a pixel.
+  // Notes that a look at `sample` has begun, at a film of `spp` samples a pixel.
   void begin(std::uint32_t sample, std::uint32_t spp);
-  // Takes the estimate at `sample`. Returns true if the render ends with that film: its error is small enough, and
-  // known well enough. Otherwise predicts by `checkpoints` where it may be, to look again there. The rule is about the
-  // error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because its error seems
-  // small by chance.
+  // Takes the result of the look at `sample`. Returns true if the render ends with that film: its error is small enough
+  // and known well enough. Otherwise predicts from `checkpoints` when it may be, and schedules the next look there. The
+  // error is that of the whole picture, in which one pixel has hardly any weight. So no pixel stops early because its
+  // error seems small by chance.
   bool take(std::uint32_t sample, const Checkpoint& found, const std::vector<Checkpoint>& checkpoints);
 
 private:
-  // The sample that lies, in whole steps, more than `growth` of the samples so far beyond `sample`, or the last that
-  // has an index.
+  // Sample that lies beyond `sample` by more than `growth` times the samples so far, rounded up to whole steps; at most
+  // the last sample.
   std::uint32_t whole_steps_beyond(std::uint32_t sample, double growth) const;
 
   double relative_rms_ = 0.0; // 0 = none

@@ -43,7 +43,7 @@ struct IntegratorKind {
   bool traces_paths = true;                       // false: a sample is a frame, which reaches the film as a whole
   bool walks_light_tree = true;                   // false: it picks lights by power, however many they are
   bool passes_panes = false; // true: its shadow rays pass thin smooth panes, if paths may have several bounces
-  // True: a path keeps the list of all bodies that it is in (kLobeNested), not the innermost alone.
+  // True: a path keeps a list of all bodies that it is in (kLobeNested), not only the last one entered.
   bool nests_bodies = false;
   bool sorts_hits = false;                // true: separate kernels shade hits and escaped rays
   bool splats = false;                    // true: it traces light paths, which add light to any pixel of the film
@@ -74,7 +74,7 @@ struct IntegratorKind {
   std::uint64_t (*largest_record)(const RenderPlan& settings) = nullptr;
   // Optional parts of bytes_per_slot(), itemised for `info`. Null = none.
   std::vector<MemoryItem> (*slot_items)(gpu::Feature features, const RenderPlan& settings) = nullptr;
-  // Least number of paths in flight of one pixel in a wave.
+  // Paths in flight that one sample of a pixel takes in a wave.
   std::uint32_t (*slots_per_pixel)(const RenderPlan& settings) = nullptr;
   // Bytes of device memory of a pixel, besides paths and film.
   std::uint64_t (*bytes_per_pixel)(const RenderPlan& settings) = nullptr;

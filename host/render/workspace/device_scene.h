@@ -13,28 +13,29 @@
 
 namespace wavepath {
 
-// Of values and of colours, in images.
+// Images of the two atlases: that of values and that of colours.
 using AtlasImages = std::array<std::unique_ptr<DeviceImage>, 2>;
-// An atlas that is empty becomes a small image, since every declared binding has to be bound.
+// Uploads the atlases. An empty atlas becomes a small image, since every declared binding must be bound.
 AtlasImages upload_atlases(Device& device, const Atlases& atlases);
-// Of kernels with kFeatureSampledTextures, besides DeviceScene::bindings(). Null images: the layout alone.
+// Bindings of kernels with kFeatureSampledTextures, besides DeviceScene::bindings(). Null images give the layout alone.
 std::vector<Binding> atlas_bindings(const AtlasImages& images);
 
 struct DeviceScene {
-  Buffer nodes; // for ray queries, QueryScene::items
+  Buffer nodes; // BVH nodes; for ray queries, QueryScene::items
   Buffer triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
-  std::optional<QueryStructures> queries; // that kernels trace rays through in place of the nodes
-  std::vector<Buffer> texels;             // pages of 1 << gpu::kTexelPageShift words, at least one
-  AtlasImages atlases;                    // null unless samplers look textures up
+  std::optional<QueryStructures> queries; // structures for ray queries; empty: kernels traverse `nodes`
+  std::vector<Buffer> texels;             // pages of 1 << gpu::kTexelPageShift words; at least one page
+  AtlasImages atlases;                    // null unless the device's samplers look textures up
 
   std::vector<Binding> bindings() const;
-  std::uint64_t bvh_bytes() const; // nodes, triangles and instances
+  std::uint64_t bvh_bytes() const; // bytes of nodes, triangles and instances
   std::uint64_t other_bytes() const;
 };
 
-// `by_query`: for kernels that trace rays by ray queries. Throws Error before allocating anything if the device's
-// limits or memory cannot hold it, but for the structures of ray queries, whose size only the driver knows.
+// Uploads a scene. `by_query`: for kernels that trace rays by ray queries. Throws Error before allocating anything if
+// the device's limits or memory cannot hold the scene. The size of structures for ray queries is known to the driver
+// alone, so they may throw later.
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query = false);
 
 } // namespace wavepath

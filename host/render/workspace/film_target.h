@@ -9,16 +9,16 @@
 
 namespace wavepath {
 
-// Consecutive pixels, in tile order, and their error probes, whose film fits into one buffer of the device, pixels
-// first.
+// Band of the film: consecutive pixels in tile order and their error probes, as many as fit into one buffer of the
+// device. The buffer has the pixels first.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  std::uint32_t first_probe = 0, probe_count = 0; // by block
-  std::uint32_t picture_pixels = 0;               // of all bands: the entry of the first probe
-  Buffer film, aovs, splats;                      // may hold more
+  std::uint32_t first_probe = 0, probe_count = 0; // range of blocks whose probes it has
+  std::uint32_t picture_pixels = 0;               // pixels of all bands, which is the entry of the first probe
+  Buffer film, aovs, splats;                      // may be larger than needed
 
   std::uint32_t entries() const { return pixel_count + probe_count; }
-  // Where the sums of an entry of the band lie in it.
+  // Offset within the band of the sums of an entry.
   std::uint32_t offset_of(std::uint32_t entry) const {
     const bool is_probe = probe_count > 0 && entry >= picture_pixels;
     return is_probe ? pixel_count + entry - picture_pixels - first_probe : entry - first_pixel;
@@ -29,14 +29,13 @@ class FilmTarget {
 public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
-  // Takes up a film of this shape. `capacity_for_aovs`: kernels that write AOVs may run.
-  // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
-  // for it.
+  // Prepares for a film of this shape. `capacity_for_aovs`: kernels that write AOVs may run. Keeps buffers that are
+  // large enough. Returns true if a buffer was replaced. Throws Error if the device has no memory for it.
   bool fit(const FilmShape& shape, bool capacity_for_aovs);
-  // Sets all samples to none. Nothing may be in flight, here and below.
+  // Removes all samples. Nothing may be in flight, here and below.
   void clear();
   Film download() const;
-  // A smaller picture, which a pilot put at the beginning of the first band. Its samples are split between two
+  // Reads the smaller picture that a pilot put at the beginning of the first band. Its samples are split between two
   // replicates, and it has no AOVs.
   Film download_small(const FilmShape& shape) const;
   void upload(const Film& film);
@@ -52,13 +51,13 @@ private:
   std::vector<FilmBand> bands_;
 };
 
-// A copy of the film that the host can read while the device goes on.
+// Copy of a film, which the host can read while the device continues.
 class FilmSnapshot {
 public:
-  // Reserves memory for a film like `target`, which is so large that this may throw Error.
+  // Reserves memory for a copy of `target`. Throws Error if there is not enough, which large films make likely.
   void fit(Device& device, const FilmTarget& target);
   void record(Commands& commands, const FilmTarget& target) const;
-  // Once the commands have been waited for. `target`: as it was when they were recorded.
+  // Reads the copy, once the commands have been waited for. Uses the shape that `target` had when they were recorded.
   Film read() const;
 
 private:
@@ -66,7 +65,7 @@ private:
   std::vector<FilmBand> bands_;
 };
 
-// The bindings of a band of the film, without buffers, and with those of one band.
+// Bindings of a band of the film: without buffers, for a layout; and with those of a band.
 std::vector<Binding> film_layout();
 void add_bindings(const FilmBand& band, std::vector<Binding>& bindings);
 

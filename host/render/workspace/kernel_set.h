@@ -13,17 +13,16 @@
 
 namespace wavepath {
 
-// Kernels that are bound to one layout. One constant for each integrator, in its folder.
+// Kernels that share one binding layout. Each integrator defines one constant in its folder.
 struct KernelProgram {
   std::span<const KernelCode> stages;
-  std::span<const std::size_t> compile_order; // of all stages, the slowest first
-  std::vector<Binding> (*layout)();           // numbers and kinds of their bindings; no buffers
+  std::span<const std::size_t> compile_order; // indices of all stages, the slowest to compile first
+  std::vector<Binding> (*layout)();           // numbers and kinds of the bindings, without buffers
 };
 
 inline constexpr std::array<std::size_t, 1> kOnlyStage = {0}; // compile order of a program of one
 
-// What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same
-// bits.
+// Configuration that kernels are specialized for. Compiling in more than a scene needs changes no bit of the picture.
 struct KernelConfig {
   gpu::Feature features = 0;    // kFeature bits
   std::uint32_t stack_size = 0; // entries of the traversal stack
@@ -34,41 +33,41 @@ struct KernelConfig {
   std::uint32_t terminator = gpu::kTerminatorFacets;
   std::uint32_t traversal = kTraversalCompute;
   std::uint32_t sort = gpu::kSortNone;
-  std::uint32_t light_samples = 1; // where a path first scatters
+  std::uint32_t light_samples = 1; // of a path where it first scatters
   std::uint32_t sky = gpu::kSkyByPaths;
   std::uint32_t reuse = gpu::kReuseNone;
 
   bool operator==(const KernelConfig&) const = default;
 };
 
-// A set of kernels: which, and for what.
+// Description of a set of kernels: the stages of a program, and their configuration.
 struct KernelNeed {
   const KernelProgram* program = nullptr;
   std::uint32_t stages = 0; // bit s: stage s of the program
   KernelConfig config;
 
   bool operator==(const KernelNeed&) const = default;
-  // Whether a set made for this renders what `need` asks for.
+  // True if a set made for this need also renders what `need` asks for.
   bool covers(const KernelNeed& need) const;
 };
 
-// All kernels of a program.
+// The need of all kernels of a program.
 KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config);
 
-// The specialization constants that make a kernel fit a configuration and a device, by kSpec...
+// Specialization constants, indexed by kSpec..., for a configuration and a device.
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device);
 
 class KernelSet {
 public:
-  // Compiles the kernels, side by side, and dispatches each once without work, for the drivers that compile only then
-  // (unless the device was opened for DeviceUse::compile). Safe to call from several threads at once.
+  // Compiles the kernels in parallel. Then dispatches each without work, since some drivers compile only then; not if
+  // the device was opened for DeviceUse::compile. Safe to call from several threads.
   KernelSet(Device& device, const KernelNeed& need);
 
-  // The kernel of a stage that was asked for.
+  // The kernel of a stage, which must be in need().stages.
   const Kernel& operator[](std::size_t stage) const { return *kernels_[stage]; }
   const KernelNeed& need() const { return need_; }
   const KernelConfig& config() const { return need_.config; }
-  double seconds() const { return seconds_; } // that compiling took
+  double seconds() const { return seconds_; } // of compiling
 
 private:
   KernelNeed need_;

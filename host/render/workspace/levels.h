@@ -1,4 +1,4 @@
-// Levels of an adaptive render: how many samples a run of pixels gets. adaptive.h chooses them.
+// Levels of an adaptive render: a run of level k gets 2^k times the samples. adaptive.h chooses the levels.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,20 @@ namespace wavepath {
 using gpu::at_level;
 using gpu::kHighestLevel, gpu::kLowestLevel;
 
-// Consecutive pixels in tile order that share a level: a tile of 8x8, away from the borders.
+// Length of a run: consecutive pixels in tile order that have one level. Away from the borders it is a tile of 8x8.
 inline constexpr std::uint32_t kRunPixels = 64;
 
-// The picture of the noise pilot has 1/part of the sides of a picture of so many pixels, whose runs have 4
-// pixels of the pilot, in small pictures, which have few runs, 16.
+// Divisor of the sides of a picture that gives the sides of its noise pilot. A run then has 4 pixels of the pilot; in
+// small pictures, which have few runs, 16.
 inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u << 15 ? 2 : 4; }
 
-inline constexpr std::uint32_t kFewestPilotSamples = 4; // of a pixel of it
+inline constexpr std::uint32_t kFewestPilotSamples = 4; // samples a pixel of the pilot
 
-inline constexpr int kLowestLevelOfSplitReplicates = -1; // of a step's samples two are left, one for each replicate
-inline constexpr std::uint32_t kAdaptiveStep = 4;        // samples per pixel: every level gets a whole number of these
+inline constexpr int kLowestLevelOfSplitReplicates = -1; // a step then has two samples, one for each replicate
+inline constexpr std::uint32_t kAdaptiveStep = 4;        // samples a pixel; every level gets a whole number of these
 inline constexpr std::uint32_t kHighestFactor = 1u << kHighestLevel;
 
-// The samples of an adaptive render that is asked for n.
+// Samples a pixel of an adaptive render that was asked for n.
 inline std::uint32_t whole_steps(std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; }
 
 } // namespace wavepath

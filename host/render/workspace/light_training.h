@@ -1,4 +1,4 @@
-// Whether a render trains its choice of lights, or of parts of the sky, before its first sample.
+// Decides whether a render trains light selection, or parts of the sky, before its first sample.
 #pragma once
 
 #include "host/render/settings/render_plan.h"
@@ -7,13 +7,13 @@ namespace wavepath {
 
 struct PackedScene;
 
-// Lights are chosen by fractions that training finds for cells of space.
+// True if lights are chosen with probabilities that are trained for cells of space.
 bool trains_lights(const PackedScene& scene, const RenderPlan& settings);
-// Directions to a sky of one colour, besides those of paths, are.
+// True if directions to a sky of one colour, besides those of paths, are chosen so.
 bool trains_one_colour(const PackedScene& scene, const RenderPlan& settings);
-// Parts of the sky are, of an environment map or of one colour.
+// True if parts of the sky are chosen so, of an environment map or of a sky of one colour.
 bool trains_sky(const PackedScene& scene, const RenderPlan& settings);
-// Any of these.
+// True if any of these is trained.
 bool trains_light_selection(const PackedScene& scene, const RenderPlan& settings);
 
 } // namespace wavepath

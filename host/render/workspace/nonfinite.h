@@ -1,4 +1,4 @@
-// Samples that were not finite: how many each kernel made, and which was the first.
+// Samples that were not finite: the number that each kernel made, and the first of them.
 #pragma once
 
 #include <array>
@@ -12,17 +12,18 @@
 
 namespace wavepath {
 
-// By the values of the kMaker... constants.
+// Indexed by the kMaker... constants.
 inline constexpr std::array<std::string_view, gpu::kMakerCount> kMakerNames = {"generate", "shade", "connect"};
 
-// A pixel and which of its replicates; 1 is the second one of a probed pixel (kernels/base/error_probes.h).
+// A replicate of a pixel; 1 is the second one of a probed pixel (kernels/base/error_probes.h).
 struct PixelReplicate {
   std::uint32_t pixel = 0; // in tile order
   std::uint32_t replicate = 0;
   auto operator<=>(const PixelReplicate&) const = default;
 };
 
-// First by sample, then by entry in tile order: an order that no size of waves and no number of lanes can change.
+// A non-finite sample. They are ordered by sample, then by entry in tile order, which no size of waves and no number of
+// lanes can change.
 struct NonfiniteSample {
   std::uint32_t sample = 0;
   PixelReplicate at;
@@ -37,8 +38,8 @@ struct Nonfinite {
 
   std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
 
-  // What the kernels counted in one wave; pixel_at(entry) is the PixelReplicate of an entry of the wave.
-  // Returns whether there was anything.
+  // Adds the counts of one wave. `pixel_at(entry)`: the PixelReplicate of an entry of the wave. Returns true if any
+  // count was not 0.
   template <class PixelAt>
   bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {
     bool any = false;

@@ -1,4 +1,4 @@
-// A packed scene as the device's ray queries see it.
+// A packed scene for the device's ray queries.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,17 @@
 
 namespace wavepath {
 
-// `items` stand where kernels have the nodes of our own tree otherwise. For every object: where the triangles of its
-// geometries 0 and 1 begin in `items`; then, by geometry, indices into PackedScene::triangles. `instances` are those of
-// the scene, but for Instance::root, which is the index of the object in `items`.
+// Data of ray queries. `items` is bound in place of the BVH's nodes. For every object it has the positions in `items`
+// where the triangles of its geometries 0 and 1 begin; then, for each geometry, indices into PackedScene::triangles.
+// `instances` are those of the scene, except that Instance::root is the index of the object in `items`.
 struct QueryScene {
   QueryStructures structures;
-  std::vector<std::uint32_t> items; // a multiple of four
+  std::vector<std::uint32_t> items; // size: a multiple of four
   std::vector<gpu::Instance> instances;
 };
 
-// What kernels/bvh/ray_query.glsl traces rays through. Instances are numbered as in the scene; copies that spatial
-// splits made are left out. The scene does not move; the device has ray queries. Throws Error if the device cannot hold
-// it.
+// Builds the structures for kernels/bvh/ray_query.glsl. Instances keep their numbers; copies made by spatial splits are
+// left out. The scene must not move, and the device must have ray queries. Throws Error if the device cannot hold it.
 QueryScene make_query_scene(Device& device, const PackedScene& scene);
 
 } // namespace wavepath

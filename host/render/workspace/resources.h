@@ -1,5 +1,5 @@
-// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte
-// counts and stand-ins follow.
+// Buffers by declaration: each has a name, a size rule and its bindings. Allocation, bindings, byte counts and dummies
+// are derived from these.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace wavepath {
 
-// What the sizes of buffers depend on.
+// Quantities that the sizes of buffers depend on.
 struct BufferDimensions {
   std::uint64_t pixels = 0;
   std::uint64_t slots = 0;         // paths in flight
   gpu::Feature features = 0;       // kFeature bits of all kernels that may run
-  std::uint32_t options = 0;       // bits whose meaning the owner of the buffers defines
-  std::uint32_t light_samples = 1; // that a path takes where it first scatters
+  std::uint32_t options = 0;       // bits, whose meaning the owner of the buffers defines
+  std::uint32_t light_samples = 1; // of a path where it first scatters
 };
 
 struct BufferView {
@@ -27,18 +27,18 @@ struct BufferView {
 
 struct BufferRule {
   const char* name;
-  // 0 = not needed: kernels are bound to a dummy. Null = the owner makes the buffer itself.
+  // Size in bytes; 0 = not needed, so kernels are bound to a dummy. Null = the owner makes the buffer.
   std::uint64_t (*bytes)(const BufferDimensions&);
   std::vector<BufferView> views;
 };
 
 class BufferSet {
 public:
-  // `rules` outlive the set.
+  // `rules` must outlive the set.
   BufferSet(Device& device, std::span<const BufferRule> rules)
       : device_(&device), rules_(rules), buffers_(rules.size()) {}
 
-  // Replaces buffers that are too small; their contents are lost. Returns whether any was replaced. Throws Error if the
+  // Replaces buffers that are too small, whose contents are lost. Returns true if any was replaced. Throws Error if the
   // device has no memory for it.
   bool fit(const BufferDimensions& dimensions);
 
@@ -53,10 +53,10 @@ private:
   std::vector<Buffer> buffers_;
 };
 
-// Binding numbers and kinds without buffers, for layouts.
+// Adds binding numbers and kinds without buffers, for layouts.
 void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings);
 
-// Replaces `buffer` if it is smaller than `bytes`; what it held is lost then. Returns whether it was.
+// Replaces `buffer` if it is smaller than `bytes`; its contents are lost then. Returns true if it was replaced.
 bool reserve(Device& device, Buffer& buffer, std::uint64_t bytes);
 
 } // namespace wavepath

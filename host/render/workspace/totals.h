@@ -1,4 +1,4 @@
-// What the device has done for a render: rays, seconds by stage, samples that were not finite.
+// Work that the device has done for a render: rays, seconds by stage, non-finite samples.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace wavepath {
 
-// Seconds on the device by kernel, and how often it was dispatched.
+// Seconds on the device and number of dispatches of a stage.
 struct StageTime {
   std::string name;
   double seconds = 0.0;
   std::uint64_t dispatches = 0;
 };
 
-// What all work so far came to.
+// Totals of all work so far.
 struct Totals {
   RayCounts rays;
   Nonfinite nonfinite;
   std::vector<StageTime> stages;
-  double busy_seconds = 0.0; // that the device was busy, as far as the host can tell
+  double busy_seconds = 0.0; // time that the device was busy, as far as the host can tell
 };
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Submits work to the device, two pieces in flight: while the device executes one, the host records the next.
+// Submits work to the device with two pieces in flight: the device executes one while the host records the next.
 #pragma once
 
 #include <array>
@@ -18,43 +18,43 @@ namespace wavepath {
 
 class Workspace;
 
-// Of one piece of work, once it is done.
+// Times of a finished piece of work.
 struct Finished {
-  double seconds = 0.0;          // that it kept the device
-  double longest_dispatch = 0.0; // 0 where dispatches are not timed
-  double device_seconds = 0.0;   // of all timed dispatches
+  double seconds = 0.0;          // time that the device spent on it
+  double longest_dispatch = 0.0; // 0 if dispatches are not timed
+  double device_seconds = 0.0;   // sum over all timed dispatches
 };
 
 class WaveQueue {
 public:
-  // `workspace` outlives the queue.
+  // `workspace` must outlive the queue.
   explicit WaveQueue(Workspace& workspace);
   WaveQueue(WaveQueue&&) = delete;
 
   struct Work {
     std::uint32_t timed_dispatches = 0;
-    const char* stage = nullptr;     // the whole is counted as time of this stage, where its dispatches are not timed
-    std::optional<gpu::Wave> wave{}; // whose slots non-finite samples are counted by
-    std::function<void(const Finished&)> done{}; // called when it was waited for
+    const char* stage = nullptr;     // stage that the whole time is counted under, if its dispatches are not timed
+    std::optional<gpu::Wave> wave{}; // wave by whose slots non-finite samples are located
+    std::function<void(const Finished&)> done{}; // called after it was waited for
   };
-  // Records and submits; waits first where two pieces are in flight already. All work is done in the order in which it
-  // was submitted.
+  // Records and submits work. If two pieces are in flight, waits for the older one first. Pieces execute in the order
+  // of submission.
   void submit(const std::function<void(Commands&)>& record, Work work);
-  // Calls `action` when all that was submitted so far has been waited for: at once if nothing is in flight.
+  // Calls `action` when all work submitted so far has been waited for; at once if nothing is in flight.
   void afterwards(std::function<void()> action);
-  // Waits for the oldest piece. False if there was none.
+  // Waits for the oldest piece. Returns false if nothing is in flight.
   bool finish_one();
   void drain();
-  // Waits for all that is in flight, and forgets it: nothing is counted, nothing called.
+  // Waits for all work in flight and discards its results: no counts, no callbacks.
   void abandon() noexcept;
 
   Totals totals;
 
 private:
-  struct WaveResources { // what one of the two pieces in flight uses
+  struct WaveResources { // resources of one of the two pieces in flight
     explicit WaveResources(Device& device);
     Commands commands;
-    Buffer counters; // read back
+    Buffer counters; // copy that the host reads
   };
   struct Flight {
     WaveResources* resources;
