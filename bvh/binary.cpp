@@ -21,19 +21,20 @@ namespace wavepath::bvh {
 
 namespace {
 
-constexpr std::uint32_t kTaskSize = 4096;      // smaller nodes do not get a task of their own
-constexpr std::uint32_t kParallelSize = 65536; // larger ones are binned and partitioned by several threads,
-constexpr std::uint32_t kBlockSize = 16384;    // in blocks of this many
+constexpr std::uint32_t kTaskSize = 4096;      // nodes with fewer items get no task of their own
+constexpr std::uint32_t kParallelSize = 65536; // nodes with more items are binned and partitioned by several threads,
+constexpr std::uint32_t kBlockSize = 16384;    // in blocks of so many items
 
-// Spatial splits are weighed against cuts whose sides share more than this part of the root's area, by quality, and
-// this part of the node on every axis: boxes that merely touch share a whole face. Sponza takes 28.5 % less work a ray
-// with 3e-3 and 29 % with 1e-4, in 1.7 and 3.2 times the time of a build without reinsertion; with 1e-5 and no limit on
-// thinness, 29 % and 5, and terrain, where splits gain nothing, 4. 1e-3 takes a tenth longer than 3e-3, and finds more
-// of what is small beside the scene: the showcase's bounce rays make 10.3 tests instead of 12.7.
+// Spatial splits are tried if the sides of the best cut overlap by more than this fraction of the root's area (by
+// quality), and by this fraction of the node on every axis: boxes that merely touch share a whole face. Work a ray on
+// Sponza is 28.5 % less with 3e-3 and 29 % less with 1e-4, in 1.7x and 3.2x the time of a build without reinsertion.
+// With 1e-5 and no limit on thinness it is 29 % less in 5x the time; terrain, where splits gain nothing, takes 4x. 1e-3
+// takes 1.1x the time of 3e-3 and finds more of the detail that is small beside the scene: the showcase's bounce rays
+// make 10.3 tests instead of 12.7.
 constexpr double kMinSharedArea[] = {std::numeric_limits<double>::infinity(), 1e-3, 1e-4};
 constexpr float kMinSharedPart = 0.01f;
 
-// A node to be built, over the primitives [begin, end) of one of the two buffers. Copies may fill them up to
+// A node to be built over the primitives [begin, end) of one of the two buffers. Copies may extend the range up to
 // `capacity`.
 struct Work {
   std::uint32_t node, begin, end, capacity, depth;
@@ -45,12 +46,12 @@ struct Work {
   std::span<Primitive> items() const { return {primitives + begin, count()}; }
 };
 
-// Hands out pairs of nodes to one task from a chunk of its own. A task of n items needs at most 2n - 2.
+// Allocates pairs of nodes for one task from a chunk of its own. A task of n items needs at most 2n - 2 nodes.
 struct NodePool {
   std::uint32_t next = 0, end = 0, needed = 0;
 };
 
-// The cheapest ways to cut a node.
+// The cheapest cuts of a node.
 struct Cuts {
   Cut between; // primitives
   SpatialCut through;
@@ -59,8 +60,8 @@ struct Cuts {
 
 struct Builder {
   BuildConfig config;
-  std::span<const Triangle> triangles; // of spatial splits
-  double least_shared_area;            // above which spatial splits are tried
+  std::span<const Triangle> triangles; // for spatial splits
+  double least_shared_area;            // overlap above which spatial splits are tried
   BinaryNode* nodes;
   std::uint32_t* order;
   std::atomic<std::uint32_t> node_count{2}; // siblings share a cache line: their indices are even and odd
@@ -89,7 +90,7 @@ Slabs slabs_of(const Work& work, const BuildConfig& config) {
   return {work.bound, work.centroids, static_cast<int>(std::min(config.bin_count, work.count() / 4 + 2))};
 }
 
-// make() with all items added by add(bins, items), by several threads if they are many.
+// Returns make() with all items added by add(bins, items); uses several threads if there are many.
 template <class Make, class Add, class Merge>
 auto fill_bins(const Work& work, const Make& make, const Add& add, const Merge& merge) {
   if (work.count() < kParallelSize) {
@@ -126,7 +127,7 @@ SpatialCut find_spatial_cut(const Work& work, std::span<const Triangle> triangle
   return fill_bins(work, make, add, merge).best_cut(slabs, inverse_size, work.count() + work.spare());
 }
 
-// Whether the boxes of the two sides overlap enough to try a spatial split. True if there is no cut.
+// True if the boxes of the two sides overlap enough to try a spatial split, or if there is no cut.
 bool overlap(const Work& work, const Cut& cut, double least_area) {
   if (cut.left_count == 0) return true;
   Bound shared;
@@ -145,8 +146,8 @@ Cuts Builder::find_cuts(const Work& work, const Slabs& slabs) const {
 
 // The two sides of a cut during partitioning.
 struct Sides {
-  Primitive* end[2];  // one past the items already there
-  Bound centroids[2]; // of these items
+  Primitive* end[2];  // end of the items appended so far
+  Bound centroids[2]; // of the items appended so far
 };
 
 // Appends each item to its side, in order. The side is an index rather than a branch, which would be mispredicted half
@@ -177,7 +178,7 @@ void scatter(std::span<const Primitive> items, const Slabs& slabs, const Cut& cu
   sides = {{left, right}, {{-least[0], most[0]}, {-least[1], most[1]}}};
 }
 
-// The same by several threads: each block knows how many items before it go left.
+// The same by several threads: each block knows how many items of earlier blocks go left.
 void scatter_parallel(const Work& work, const Slabs& slabs, const Cut& cut, Sides& sides) {
   const std::uint32_t block_count = (work.count() + kBlockSize - 1) / kBlockSize;
   const auto block_items = [&](std::uint32_t block) {
@@ -199,12 +200,12 @@ void scatter_parallel(const Work& work, const Slabs& slabs, const Cut& cut, Side
     for (int side = 0; side < 2; ++side) sides.centroids[side].merge(block.centroids[side]);
 }
 
-// Of the spare capacity, in case that slack tells nothing.
+// Fraction of the spare capacity that is divided by counts, in case that slack tells nothing.
 constexpr double kSharedByCount = 0.0625;
 
-// Where the right side begins: the spare capacity is divided by the slack of the items, of which left_part(item) tells
-// how much goes left. By counts, a few long triangles among many small ones would get next to none. Adding up goes in
-// the same order for any number of threads.
+// Index at which the right side begins. The spare capacity is divided by the slack of the items; left_part(item) is the
+// part of it that goes left. If it were divided by counts, a few long triangles among many small ones would get next to
+// none. The order of summation does not depend on the number of threads.
 template <class LeftPart>
 std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_t right_count,
                         const LeftPart& left_part) {
@@ -359,7 +360,7 @@ std::uint32_t Builder::build(const Work& work) {
   return make_inner(work, left.node, std::max(left_height, right_height));
 }
 
-// Of triangles that may be copied.
+// Sets the slack of all triangles; those that must stay whole get 0.
 void set_slacks(std::span<Primitive> primitives, std::span<const Triangle> triangles, const BuildConfig& config,
                 const Bound& bound) {
   const float inverse_size = Slabs(bound, bound, 2).inverse_size;

@@ -12,21 +12,23 @@ namespace wavepath::bvh {
 
 struct BinaryNode {
   Box box;
-  std::uint32_t first;      // inner: left child, the right one follows; leaf: first item
-  std::uint16_t item_count; // 0 = inner
-  std::uint16_t height;     // inner nodes on the longest path from here, itself included
+  // Inner node: index of the left child, which the right one follows; leaf: index of the first item in `order`.
+  std::uint32_t first;
+  std::uint16_t item_count; // items of a leaf; 0 = inner node
+  std::uint16_t height;     // inner nodes on the longest downward path, this one included
 };
 
 struct BinaryTree {
-  Array<BinaryNode> nodes;    // the root is the first; none if there are no items
-  std::size_t capacity = 0;   // nodes allocated; their positions depend on timing, their contents do not
-  Array<std::uint32_t> order; // of items; entries outside every leaf are undefined
+  Array<BinaryNode> nodes;    // nodes[0] is the root; empty if there are no items
+  std::size_t capacity = 0;   // nodes allocated. The positions of nodes depend on timing, the tree does not
+  Array<std::uint32_t> order; // index of the box of each item; undefined outside of leaves
 };
 
-// No path is longer, whatever the input: where cuts by area would exceed it, nodes are halved by count.
+// Limit of the depth for any input: if cuts by area would exceed it, nodes are halved by count.
 inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
-// Over boxes, or over triangles, with spatial splits if the quality asks for them.
+// Builds a tree over boxes or triangles; the other span is empty. Spatial splits are for triangles, if the quality asks
+// for them.
 BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
                         BuildReport& report);
 

@@ -10,9 +10,9 @@
 
 namespace wavepath::bvh {
 
-// Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone,
-// never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 100 bytes a
-// box, result included.
+// Builds a tree over boxes. Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on
+// the boxes and the config alone, not on the number of threads. For any input the tree is at most kMaxDepth deep. Peak
+// memory is about 100 bytes for each box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
 
 // The same over triangles, with their bounds() as boxes.

@@ -71,7 +71,7 @@ WideNode node_of(const BinaryNode* nodes, const Family& family) {
 constexpr std::uint32_t kPartDepth = 6;
 constexpr std::size_t kLargeTree = 16384; // binary nodes
 
-// In the order in which they are laid out.
+// Lists the subtrees in the order in which they are laid out.
 void list_parts(const BinaryNode* nodes, const Family& family, std::uint32_t depth, std::vector<std::uint32_t>& parts) {
   for (std::uint32_t slot = 0; slot < family.count; ++slot) {
     const std::uint32_t member = family.members[slot];
@@ -92,7 +92,7 @@ struct Layout {
   const BinaryTree& binary;
   WideTree& tree;
   std::span<const WideTree> parts{};
-  std::vector<Offsets> offsets{}; // of the parts
+  std::vector<Offsets> offsets{}; // offsets of the subtrees
 
   void place(const Family& family, std::uint32_t target, std::uint32_t depth) {
     WideNode node = node_of(binary.nodes.get(), family);

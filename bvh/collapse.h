@@ -1,4 +1,4 @@
-// From the binary tree to the one that is traversed.
+// Collapse of the binary tree into the 4-wide tree that is traversed.
 #pragma once
 
 #include "bvh/binary.h"
@@ -6,7 +6,8 @@
 
 namespace wavepath::bvh {
 
-// Joins up to three levels of two into nodes of four, opening the child of the largest area first.
+// Makes nodes of four children from up to three levels of binary nodes, opening the child of the largest area first
+// (Wald, Benthin, Boulos 2008).
 WideTree collapse(BinaryTree binary);
 
 } // namespace wavepath::bvh

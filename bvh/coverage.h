@@ -1,4 +1,4 @@
-// Whether boxes cover a triangle: the parts inside each box are cut away until nothing or an uncovered part is left.
+// Test of whether boxes cover a triangle: cuts away the part inside each box until nothing is left or no box remains.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace wavepath::bvh {
 
-// Parts thinner than 2^-26 of the triangle's size do not count.
+// True if the boxes cover the triangle. Parts thinner than 2^-26 of the triangle's size do not count.
 bool covered(const Triangle& triangle, std::span<const GridBox> boxes);
 
 } // namespace wavepath::bvh

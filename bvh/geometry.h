@@ -28,7 +28,7 @@ inline bool in_range(Vec3 a) {
   return std::fabs(a.x) <= kMaxCoordinate && std::fabs(a.y) <= kMaxCoordinate && std::fabs(a.z) <= kMaxCoordinate;
 }
 
-// Closed on all sides. The default box is inverted, the neutral element of merge().
+// An axis-aligned box, closed on all sides. The default box is inverted (lo > hi), the neutral element of merge().
 struct Box {
   Vec3 lo{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
   Vec3 hi{std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(),
@@ -38,8 +38,8 @@ struct Box {
 inline Box merge(const Box& a, const Box& b) { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 inline Box merge(const Box& a, Vec3 p) { return {min(a.lo, p), max(a.hi, p)}; }
 
-// Surface area / 2; 0 for an inverted box. Double, because areas of very small or very large scenes leave the range of
-// float.
+// Half of the surface area; 0 for an inverted box. It is a double, because areas of very small or very large scenes
+// exceed the range of float.
 inline double half_area(const Box& box) {
   const double x = std::max(double{box.hi.x} - box.lo.x, 0.0), y = std::max(double{box.hi.y} - box.lo.y, 0.0),
                z = std::max(double{box.hi.z} - box.lo.z, 0.0);

@@ -1,7 +1,7 @@
-// The ray tests, step by step as kernels/bvh/bvh.glsl repeats them: a padded slab test (Ize 2013) of the four boxes of
-// a node, and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own
-// (no fused multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours
-// agree on the edge they share.
+// The ray tests, with the steps that kernels/bvh/bvh.glsl repeats: a padded slab test (Ize 2013) of the four boxes of a
+// node, and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no
+// fused multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree
+// on the edge they share.
 #pragma once
 
 #include <bit>
@@ -12,13 +12,13 @@
 
 namespace wavepath::bvh {
 
-// Points origin + t * direction, 0 < t < t_max. The direction need not be of unit length.
+// A ray: the points origin + t * direction with 0 < t < t_max. The direction need not have unit length.
 struct Ray {
   Vec3 origin, direction;
   float t_max = std::numeric_limits<float>::infinity();
 };
 
-// Constants of one ray, see prepare().
+// Values that all tests of a ray need; prepare() computes them.
 struct PreparedRay {
   Vec3 origin, inverse; // inverse_i = 1 / d_i, with |d_i| first raised to kMinDirection keeping the sign (d_i < 0)
   int kx, ky,
@@ -32,24 +32,30 @@ PreparedRay prepare(const Ray& ray);
 // Keeps 1/d_i finite, so that (b - o) * (1/d_i) is never 0 * inf, however the ray runs along a face.
 inline constexpr float kMinDirection = 0x1p-60f;
 
-// 1 + 32 eps on t_far covers, with division within 2.5 ulp, 8 eps in each of t_near and t_far and 9 eps in what the
-// triangle test does to its vertices, per axis and relative to the distance (see bounds() for the part relative to the
-// triangle).
+// Factor 1 + 32 eps (eps = 2^-24) on t_far. On each axis, relative to the distance and with division within 2.5 ulp, it
+// covers 8 eps in t_near, 8 eps in t_far, and 9 eps by which the triangle test moves vertices. bounds() covers the part
+// relative to the triangle.
 inline constexpr float kSlabPad = 1.0f + 0x1p-19f;
 
-// Which children a ray enters. Bit k of the masks stands for slot k.
+// The children that a ray enters. Bit k of each mask stands for slot k.
 struct Entered {
   std::uint32_t inner, leaves;
-  std::uint32_t t_bits[4]; // bits of t_near, 0 or more, of every slot
+  std::uint32_t t_bits[4]; // bits of t_near >= 0 of every slot, as integers
 };
 
-// `t_best` is the closest hit so far, or t_max. Plane q of an axis lies at t = q * slope + offset, with slope = cell *
-// inverse and offset = (grid origin - ray origin) * inverse. Slope is exact, cells being powers of two; so t errs by 2
-// eps of q * slope and 3 eps of offset, or, offset being at most |t| + 255 slope, by 3 eps of t, which kSlabPad covers,
-// and 5 * 255 eps = 2^-13.6 of a cell, which kGridMargin covers. Per axis the near plane is hi where inverse < 0, else
-// lo; t_near = max(tx, ty, tz, 0); t_far = min(tx, ty, tz, t_best) * kSlabPad; a child is entered if t_near <= t_far.
-// With a valid ray nothing overflows. Maxima and minima are taken of the bits as signed integers: that orders floats of
-// which one is not negative as they should be, and which of two negative ones is returned does not matter.
+// Tests a ray against the four children. `t_best`: the closest hit so far, or t_max.
+//
+// Plane q of an axis lies at t = q * slope + offset, with slope = cell * inverse and offset = (grid origin - ray
+// origin) * inverse. On each axis the near plane is hi if inverse < 0, else lo. A child is entered if t_near <= t_far,
+// where t_near = max(tx, ty, tz, 0) over the near planes, and t_far = min(tx, ty, tz, t_best) * kSlabPad over the far
+// ones.
+//
+// Rounding: slope is exact, since cells are powers of two. So t errs by 2 eps of q * slope and by 3 eps of offset.
+// Since |offset| <= |t| + 255 slope, these are at most 3 eps of t, which kSlabPad covers, and 5 * 255 eps = 2^-13.6 of
+// a cell, which kGridMargin covers. With a valid ray nothing overflows.
+//
+// Maxima and minima are those of the bits as signed integers. These order floats correctly unless both are negative,
+// and then either may be returned.
 inline Entered enter_children(const WideNode& node, const PreparedRay& ray, float t_best) {
   const auto bits = [](float x) { return std::bit_cast<std::int32_t>(x); };
   float slope[3], offset[3];
@@ -79,26 +85,27 @@ inline Entered enter_children(const WideNode& node, const PreparedRay& ray, floa
 struct TriangleHit {
   float t;
   float b1, b2; // barycentric weights of v1 and v2
-  bool front;   // counter-clockwise seen from the ray's origin
+  bool front;   // the vertices run counter-clockwise as seen from the ray's origin
 };
 
-// A vertex relative to the ray: x, y across it (axes kx, ky, sheared), z = its t.
+// Moves a vertex into the space of the ray, which runs along z: x and y lie on the axes kx and ky, and z is the t of
+// the vertex.
 inline Vec3 shear(const PreparedRay& ray, Vec3 vertex) {
   const Vec3 p = vertex - ray.origin;
   const float depth = p[ray.kz];
   return {p[ray.kx] - ray.sx * depth, p[ray.ky] - ray.sy * depth, ray.sz * depth};
 }
 
-// Where a ray meets a triangle that it is known to meet.
+// Point where a ray meets a triangle that it is known to meet.
 struct HitPoint {
-  float t, t_error; // t > t_error means t > 0 for certain; 0 where all vertices lie in front of the origin
+  float t, t_error; // bound of the error of t: t > t_error proves t > 0; 0 if all vertices lie in front of the origin
   float apex, b;    // weights of the first two vertices
 };
 
-// `apex` must be opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Weights
-// straight from the edge functions err by eps * (longest edge / shortest), which for slivers puts the hit anywhere
-// along them; that of the apex, from differences along the shortest edge, does not, and how b and c share the rest
-// hardly matters.
+// Locates the hit. `apex` must be the vertex opposite the shortest edge, which runs from b to c; v and w are the edge
+// functions opposite b and c. Weights taken directly from the edge functions err by eps * (longest edge / shortest),
+// which puts the hit anywhere along a sliver. The weight of the apex, computed from differences along the shortest
+// edge, does not err so. How b and c share the rest hardly matters.
 inline HitPoint locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
   const float ex = c.x - b.x, ey = c.y - b.y;
   const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x), rest = v + w;
@@ -127,8 +134,8 @@ inline HitPoint locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float 
   return point;
 }
 
-// False, with `hit` unspecified, if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max.
-// Edges belong to the triangle.
+// Tests a ray against a triangle. Returns false, with `hit` unspecified, if the ray misses or the triangle is
+// degenerate or edge-on. Ignores t_max. Edges belong to the triangle.
 inline bool intersect(const PreparedRay& ray, const Triangle& triangle, TriangleHit& hit) {
   const Vec3 a = shear(ray, triangle.v0), b = shear(ray, triangle.v1), c = shear(ray, triangle.v2);
   const float u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;

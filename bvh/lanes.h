@@ -21,11 +21,12 @@ inline void store_aligned(float* four, Lanes lanes) {
 }
 inline Lanes splat(float value) { return Lanes{value, value, value, value}; }
 
-// `b` where `a` is not a number: what the processors' own instructions do, and the order decides which of two zeros.
+// Lane-wise minimum and maximum; `b` where `a` is NaN, as the processors' own instructions do. The order of arguments
+// decides which of two zeros is returned.
 inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes magnitude(Lanes a) { return (Lanes)((IntLanes)a & 0x7fffffff); }
-// The first three lanes alone.
+// True if the mask is set in all, or in any, of the first three lanes.
 inline bool all(IntLanes mask) { return (mask[0] & mask[1] & mask[2]) != 0; }
 inline bool any(IntLanes mask) { return (mask[0] | mask[1] | mask[2]) != 0; }
 inline Lanes yzx(Lanes a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }

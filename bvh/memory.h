@@ -1,4 +1,4 @@
-// Large arrays that are filled once: without initial values, on huge pages where the system has them.
+// Memory of large arrays that are filled once: uninitialized, and on huge pages if the system has them.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace wavepath::bvh {
 
-// `bytes` on a huge page's boundary if they are many, else on a cache line's. Released by release_memory().
+// Allocates `bytes`, aligned to a huge page if large, else to a cache line. Must be released by release_memory().
 void* get_memory(std::size_t bytes);
 void release_memory(void* memory);
 
@@ -17,7 +17,7 @@ struct ReleaseMemory {
 template <class T>
 using Array = std::unique_ptr<T[], ReleaseMemory>;
 
-// Uninitialised.
+// Allocates an uninitialized array.
 template <class T>
 Array<T> make_array(std::size_t count) {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

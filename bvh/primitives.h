@@ -1,4 +1,4 @@
-// The list of primitives that a build begins with.
+// List of primitives, the input of a build.
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@ namespace wavepath::bvh {
 
 struct PrimitiveList {
   std::size_t count = 0;
-  Bound bound, centroids; // of all
+  Bound bound, centroids; // bounds of all boxes, and of all their centroids
 };
 
-// Writes to `primitives` those of the boxes that are valid, in their order; there must be room for all.
+// Writes the valid boxes to `primitives`, in their order. `primitives`: room for all boxes.
 PrimitiveList list_primitives(std::span<const Box> boxes, Primitive* primitives);
 
 // The same of the triangles' bounds().

@@ -7,8 +7,8 @@
 
 namespace wavepath::bvh {
 
-// The same leaves in another tree, whose inner nodes have less area in all; never deeper than kMaxBinaryDepth. The
-// result depends on the tree alone, not on the positions of its nodes or on the number of threads.
+// Returns a tree with the same leaves, whose inner nodes have less area in total. It is never deeper than
+// kMaxBinaryDepth, and depends on the input tree alone, not on the positions of its nodes or the number of threads.
 BinaryTree reinsert(BinaryTree tree);
 
 } // namespace wavepath::bvh

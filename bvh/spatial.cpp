@@ -21,11 +21,12 @@ Bound padding_of(const Triangle& triangle) {
 }
 
 struct Halves {
-  Bound below, above; // empty where nothing lies there
+  Bound below, above; // empty if no part lies there
 };
 
-// `box` holds, with `padding`, the part of the triangle that lies in some region; the halves do so for the two parts of
-// that region. Points on the plane, a + (b - a) * t, have their t in [0, 1] because division is monotone.
+// Splits at a plane. `box` contains, with `padding`, the part of the triangle in some region; the results contain the
+// parts on both sides of the plane. Points on the plane are a + (b - a) * t, with t in [0, 1] because division is
+// monotone.
 Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, int axis, float plane) {
   Halves halves;
   const Vec3 vertices[3] = {triangle.v0, triangle.v1, triangle.v2};
@@ -52,7 +53,8 @@ Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, in
 
 float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size) {
   const Vec3 a = (triangle.v1 - triangle.v0) * inverse_size, b = (triangle.v2 - triangle.v0) * inverse_size;
-  const Vec3 shadows = abs(Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}); // both halves'
+  // Areas of the projections of the triangle and its mirrored neighbour.
+  const Vec3 shadows = abs(Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x});
   const Bound& box = primitive.bound;
   const float x = box.extent(0) * inverse_size, y = box.extent(1) * inverse_size, z = box.extent(2) * inverse_size;
   return std::sqrt(std::max(x * y + y * z + z * x - (shadows.x + shadows.y + shadows.z), 0.0f));
@@ -140,7 +142,7 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, 
   const float whole_area = half_area(primitive.bound, inverse_size);
   const auto set_piece = [&](Primitive& piece, const Bound& half) {
     for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
-    // What is empty goes with the box; the part's own corners would be expensive to find.
+    // Slack is divided like the box; the true corners of the part would be expensive to find.
     piece.set_slack(primitive.slack() * std::sqrt(half_area(piece.bound, inverse_size) / whole_area));
   };
   if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side

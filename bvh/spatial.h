@@ -15,10 +15,10 @@ namespace wavepath::bvh {
 // leave 1/n of that part empty: copies that are distributed in proportion to this root save most area.
 float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size);
 
-// Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is
-// cheaper. No cut: infinite cost.
+// A cut at a plane between slabs: primitives wholly in slabs below `slab` go left; those across the plane go to both
+// sides, or to one if that is cheaper. Infinite cost = no cut.
 struct SpatialCut {
-  float cost = std::numeric_limits<float>::infinity(); // as Cut::cost
+  float cost = std::numeric_limits<float>::infinity(); // see Cut::cost
   int axis = 0, slab = 0;
   std::uint32_t left_count = 0, right_count = 0; // at most
   Bound left, right;
@@ -27,7 +27,8 @@ struct SpatialCut {
 // A division of a node's own box into equal slabs on each axis.
 struct SpatialSlabs {
   static constexpr int kCount = 16;
-  float lo[3], size[3], scale[3]; // of a slab, and its inverse: 0 = too thin to divide
+  // Lower corner of the box; size of a slab; inverse of that size, 0 = axis too thin to divide.
+  float lo[3], size[3], scale[3];
 
   explicit SpatialSlabs(const Bound& bound);
   float plane(int axis, int slab) const { return lo[axis] + static_cast<float>(slab) * size[axis]; }
@@ -38,15 +39,15 @@ struct SpatialSlabs {
   int last(const Primitive& primitive, int axis) const { return of(primitive.bound.lane[4 + axis], axis); }
 };
 
-// What lies in each slab. Merging is exact, so that its order does not matter.
+// Contents of each slab. Merging is exact, so its order does not matter.
 struct SpatialBins {
   Bound bound[3][SpatialSlabs::kCount];
-  std::uint32_t first_count[3][SpatialSlabs::kCount] = {}; // primitives of which it is the first slab
+  std::uint32_t first_count[3][SpatialSlabs::kCount] = {}; // primitives whose first, or last, slab this is
   std::uint32_t last_count[3][SpatialSlabs::kCount] = {};
 
   void add(const SpatialSlabs& slabs, std::span<const Primitive> primitives, std::span<const Triangle> triangles);
   void merge(const SpatialBins& other);
-  // The cheapest cut that holds no more than `most` primitives on both sides together.
+  // The cheapest cut that leaves at most `most` primitives in total on both sides.
   SpatialCut best_cut(const SpatialSlabs& slabs, float inverse_size, std::uint32_t most) const;
 };
 
@@ -55,7 +56,7 @@ struct Pieces {
   Primitive left, right;
   bool in_left, in_right;
 };
-// `whole`: on one side only.
+// Divides a primitive at a cut. `whole`: it must stay whole, on one side.
 Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, const SpatialSlabs& slabs,
               const SpatialCut& cut, float inverse_size);
 

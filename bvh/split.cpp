@@ -54,14 +54,14 @@ Cut best_cut_of_two(const Slabs& slabs, const Primitive& a, const Primitive& b) 
 }
 
 Cut best_cut_of_three(const Slabs& slabs, std::span<const Primitive, 3> items) {
-  // Each may be alone on its side, against the two others.
+  // One of the three is alone on its side, and the two others are on the other.
   const Bound alone[3] = {items[0].bound, items[1].bound, items[2].bound};
   Bound others[3] = {items[1].bound, items[0].bound, items[0].bound};
   others[0].merge(items[2].bound);
   others[1].merge(items[2].bound);
   others[2].merge(items[1].bound);
   const Lanes costs = half_areas(alone, slabs.inverse_size) + 2.0f * half_areas(others, slabs.inverse_size);
-  // By axis: which of them lie in the upper slab, a bit each; then which is alone.
+  // For each axis: a bit for each primitive that lies in the upper slab; then the one that is alone.
   const Lanes lo = load_aligned(slabs.lo), scale = load_aligned(slabs.scale);
   const auto upper = [&](int i) { return (items[static_cast<std::size_t>(i)].centroid() - lo) * scale >= 1.0f; };
   const IntLanes in_upper = (upper(0) & 1) | (upper(1) & 2) | (upper(2) & 4);
@@ -114,7 +114,7 @@ void Bins::merge(const Slabs& slabs, const Bins& other) {
     }
 }
 
-// Sweeps all axes at once, one in each lane. What an axis that is not divided yields is never looked at.
+// Sweeps all axes at once, one in each lane. The results of an axis that is not divided are ignored.
 Cut Bins::best_cut(const Slabs& slabs) const {
   const auto counts = [&](int slab) {
     IntLanes lanes;

@@ -1,15 +1,17 @@
-// The CPU reference traversal that tests compare the kernels with: the same visits in the same order, the same rounding
-// and ties.
+// Reference traversal on the CPU, which tests compare with the kernels: the same visits in the same order, the same
+// rounding and ties.
 //
-// Algorithm. A stack holds groups of pending siblings, nearest on top; pending leaves are kept in a list of their own.
-// Repeat: visit nodes until at least two leaves are pending or no node is left; then test all pending leaves, latest
-// first. A visit appends the leaves that the ray enters, highest slot first, so that the lowest is tested first;
-// continues with the nearest inner child entered (any-hit rays: with the one in the highest slot, which is the
-// largest); pushes the others as one group; and if there is none, pops the next of the topmost group. Postponing leaves
-// costs a ray 2 % more visits and 10 % more tests, and makes the lanes of a subgroup visit nodes together far more
-// often. Pending entries are not tested against t_best again. Closest hit: a candidate replaces the best if t < best,
-// or t == best and its primitive is lower, so that the answer depends neither on the order of visits nor on the tree.
-// Only t < t_max counts.
+// Algorithm. A stack holds groups of pending siblings, nearest on top; pending leaves are in a list of their own.
+// Repeat:
+// 1. Visit nodes until at least two leaves are pending or no node is left.
+// 2. Test all pending leaves, the latest first.
+// A visit of a node does three things. It appends the leaves that the ray enters, highest slot first, so that the
+// lowest is tested first. It pushes the inner children that the ray enters as one group, nearest first; any-hit rays
+// take the highest slot first, which is the largest child. It then pops the first child of the topmost group.
+// Postponed leaves cost a ray 2 % more visits and 10 % more tests, but lanes of a subgroup then visit nodes together
+// far more often. Pending entries are not compared with t_best again. Closest hit: a candidate replaces the best if t <
+// best, or if t == best and its primitive has the lower index. So the answer depends neither on the order of visits nor
+// on the tree. Only hits with t < t_max count.
 #pragma once
 
 #include <cassert>
@@ -20,14 +22,14 @@
 
 namespace wavepath::bvh {
 
-// Work done, for benchmarks and budgets: nodes visited, items in the leaves reached.
+// Counts of work, for benchmarks and budgets: nodes visited, and items in leaves reached.
 struct Counters {
   std::uint64_t visits = 0, tests = 0;
 };
 
 enum class Order { nearest_first, largest_first };
 
-// Pending siblings by slot, the next one first.
+// Pending siblings: their slots, the next one first.
 struct SiblingGroup {
   std::uint32_t first_child;
   std::uint32_t count;
@@ -97,7 +99,7 @@ struct Hit {
   TriangleHit triangle{};       // undefined on a miss
 };
 
-// `leaf` of traverse() for the closest of `triangles` (in leaf order: triangle k is primitive order[k]).
+// Argument `leaf` of traverse() for closest hits. `triangles`: in leaf order; triangle k is primitive order[k].
 inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
                       std::uint32_t first, std::uint32_t count, float& t_best, Hit& hit) {
   for (std::uint32_t item = first; item < first + count; ++item) {
@@ -110,11 +112,11 @@ inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangle
   }
 }
 
-// Closest hit, front or back; ties go to the lowest primitive.
+// Closest hit, on the front or the back; of equal t, the primitive with the lowest index.
 Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray,
                 Counters* counters = nullptr);
 
-// Whether anything is hit before t_max.
+// True if anything is hit before t_max.
 bool any_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray, Counters* counters = nullptr);
 
 } // namespace wavepath::bvh

@@ -18,7 +18,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct ValidateWalk {
   const WideTree& tree;
   std::vector<std::string> reasons;
-  std::vector<GridBox> regions = std::vector<GridBox>(tree.order.size()); // by item: in which it is met
+  // For each item, the region in which it is met.
+  std::vector<GridBox> regions = std::vector<GridBox>(tree.order.size());
   std::vector<bool> node_seen = std::vector<bool>(tree.nodes.size());
   std::vector<bool> item_seen = std::vector<bool>(tree.order.size());
   std::uint32_t depth_seen = 0;
@@ -68,7 +69,7 @@ struct ValidateWalk {
     if (child_count < 2 && tree.order.size() > kMaxLeafSize) fail(name + " has fewer than two children");
   }
 
-  // What of `region` is in the child's box, and not in the margin that the slab test needs.
+  // Intersects `region` with the child's box, without the margin that the slab test needs.
   static GridBox within(GridBox region, const WideNode& node, std::uint32_t slot) {
     const GridBox box = child_box(node, slot);
     for (int axis = 0; axis < 3; ++axis) {
@@ -92,7 +93,7 @@ struct ValidateWalk {
   }
 };
 
-// Regions by primitive, of those that are valid and no others.
+// Regions of each valid primitive.
 std::vector<std::vector<GridBox>> regions_of(ValidateWalk& walk, const std::vector<bool>& valid) {
   std::vector<std::vector<GridBox>> regions(valid.size());
   for (std::size_t item = 0; item < walk.tree.order.size(); ++item) {
@@ -111,8 +112,8 @@ bool contains(const GridBox& region, const Box& box) {
   return true;
 }
 
-// Regions without the part of bounds() that covers rounding in the triangle test; without those that are empty or no
-// numbers.
+// Regions reduced by the padding of bounds(), which covers rounding in the triangle test; empty or NaN regions are left
+// out.
 void shrink(std::vector<GridBox>& regions, const Triangle& triangle) {
   const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2)), hi = max(triangle.v0, max(triangle.v1, triangle.v2));
   const double pad = max_component(hi - lo) * 0x1p-20;

@@ -1,4 +1,4 @@
-// Checks a tree, and describes what is wrong with it.
+// Validation of a tree.
 #pragma once
 
 #include <span>
@@ -10,16 +10,16 @@
 
 namespace wavepath::bvh {
 
-// Empty if `tree` is a valid tree over `boxes`, as build() was given them: every valid box in exactly one leaf, no
-// other in any; every child box contains all items below it with the margin that the slab test needs; all nodes reached
-// once; indices in range; absent children last; the depth exact. Otherwise the reasons, at most kMaxReasons. Safe on
-// any input.
+// Reasons why `tree` is no valid tree over `boxes`, the input of build(); empty if it is valid, at most kMaxReasons. A
+// valid tree has every valid box in exactly one leaf, and no other box. Every child box contains all items below it
+// with the margin that the slab test needs. All nodes are reached once; indices are in range; absent children come
+// last; the depth is exact. Safe on any input.
 inline constexpr std::size_t kMaxReasons = 16;
 std::vector<std::string> validate(const WideTree& tree, std::span<const Box> boxes);
 
-// The same for a tree over triangles, which may hold each several times: every valid triangle lies, with what rounding
-// in the triangle test can add, in the union of the regions in which it is met. The region of an item is what all boxes
-// above it have in common.
+// The same for a tree over triangles, which may hold a triangle several times. Every valid triangle, enlarged by the
+// rounding in the triangle test, must lie in the union of the regions in which it is met. The region of an item is the
+// intersection of all boxes above it.
 std::vector<std::string> validate(const WideTree& tree, std::span<const Triangle> triangles);
 
 } // namespace wavepath::bvh

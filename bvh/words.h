@@ -1,4 +1,4 @@
-// How to read and write what WideNode packs.
+// Accessors of the packed members of WideNode.
 #pragma once
 
 #include <bit>
@@ -47,23 +47,24 @@ inline GridBox child_box(const WideNode& node, std::uint32_t slot) {
   return box;
 }
 
-// What the boxes of a node's children are on one axis.
+// Extent of a child box on one axis.
 struct Interval {
   float lo, hi;
 };
 inline constexpr std::size_t kMostIntervals = 8;
 
-// The same on a grid: planes of the intervals with their margin, of others lo = 255 and hi = 0.
+// Extents of all children on the grid of one axis, with the margin; absent children have lo = 255 and hi = 0.
 struct GridAxis {
   float origin;
-  std::uint32_t exponent; // of the cell's size, biased by kCellBias
+  std::uint32_t exponent; // exponent of the cell's size, biased by kCellBias
   std::uint8_t lo[kMostIntervals], hi[kMostIntervals];
 };
 
-// The finest cells that hold all of at most kMostIntervals intervals.
+// Finds the finest cells that hold all intervals, at most kMostIntervals.
 GridAxis fit_axis(std::span<const Interval> intervals);
 
-// A node with the given boxes (at most four) in its first slots, the other slots absent, and nothing else set.
+// Returns a node with the given boxes, at most four, in its first slots and absent children after them. Sets nothing
+// else.
 WideNode place_on_grid(std::span<const Box> boxes);
 
 } // namespace wavepath::bvh

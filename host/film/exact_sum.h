@@ -1,4 +1,4 @@
-// The host's side of gpu::ExactSum: its value, and joining two of them.
+// gpu::ExactSum on the host: its value, and the sum of two.
 #pragma once
 
 #include <bit>
@@ -17,7 +17,8 @@ inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
   words[1] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(value) >> 32);
 }
 
-// Rounded to 53 bits, a pure function of what was added. `top` is the index of the highest digit.
+// Value of the sum, rounded to 53 bits. It depends only on the numbers added, not on their order. `top`: index of the
+// highest digit.
 inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
   const std::uint64_t exponent =
       1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
@@ -30,7 +31,7 @@ inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
   return static_cast<double>(Wide{high} * (Wide{1} << 32) + low) * unit;
 }
 
-// As if all of `other`'s samples had been added to `sum`.
+// Adds `other` to `sum`, exactly as if its samples had been added one by one.
 inline void add(gpu::ExactSum& sum, std::uint32_t& top, const gpu::ExactSum& other, std::uint32_t other_top) {
   const auto raise = [](gpu::ExactSum s, std::uint32_t by) {
     if (by == 0) return s;

@@ -1,4 +1,4 @@
-// Errors per pixel as a picture.
+// Shows the error of each pixel as a picture.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// Linear values to be written without a tone curve: black where the error is 0, pale yellow from `brightest` on.
+// Returns linear values, to be written without a tone curve: black for error 0, pale yellow from `brightest` on.
 Picture error_map(std::uint32_t width, std::uint32_t height, const std::vector<float>& error, double brightest = 1.0);
 
 } // namespace wavepath

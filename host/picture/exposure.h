@@ -1,15 +1,15 @@
-// The exposure that a picture asks for: --exposure auto.
+// Automatic exposure (--exposure auto).
 #pragma once
 
 #include "host/picture/picture.h"
 
 namespace wavepath {
 
-// Stops that bring the log-average of the picture's luminance to kMiddle, or fewer, so that all but the brightest
-// twentieth of it stays at kBright or below. Luminance is that of blocks, some 96 to a side, so that neither noise nor
-// the picture's size matters; black blocks, where nothing is, do not count, and what is more than 8 stops below the
-// mean counts as that. In hundredths of a stop, so that the value as it is printed gives the same picture. 0 if all is
-// black.
+// Exposure in stops that brings the log-average luminance of the picture to kMiddle, but lower if more than a twentieth
+// of the picture would exceed kBright. Luminance is averaged over blocks, about 96 a side, so that neither noise nor
+// the size of the picture matters. Black blocks, which show nothing, do not count. Blocks that are more than 8 stops
+// below the mean count as 8 stops below. The value is rounded to 1/100 stop, so that the printed value gives the same
+// picture. 0 if everything is black.
 double auto_exposure(const Picture& picture);
 
 inline constexpr double kMiddle = 0.38, kBright = 1.0;

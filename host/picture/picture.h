@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// One EXR channel: row-major from the top left, width * height values.
+// A channel: width * height values, row-major from the top left.
 struct Channel {
   std::string name; // "R", "albedo.R", "Z", ...
   std::vector<float> values;
@@ -16,7 +16,7 @@ struct Channel {
 struct Picture {
   std::uint32_t width = 0, height = 0;
   std::vector<Channel> channels; // R G B A first
-  bool display = false;          // read from 8 or 16 bits that a display shows
+  bool display = false;          // true if read from a file of 8 or 16 bits with display values
 };
 
 } // namespace wavepath

@@ -8,27 +8,27 @@
 
 namespace wavepath {
 
-// A connection to a tev that runs, served by a thread of its own, so that a render never waits for it. Little-endian
-// hosts alone.
+// Connection to a running tev. A thread of its own serves it, so that a render never waits for it. Supports
+// little-endian hosts only.
 class TevViewer {
 public:
-  // `address`: HOST or HOST:PORT, where an IPv6 address with a port is in brackets; the port is 14158 if none is named.
-  // Throws UsageError for an address that is none, Error where no tev answers within a second.
+  // `address`: HOST or HOST:PORT; the port is 14158 by default, and an IPv6 address with a port is in brackets. Throws
+  // UsageError for an invalid address, and Error if no tev answers within a second.
   explicit TevViewer(const std::string& address);
   ~TevViewer(); // waits for nothing
   TevViewer(const TevViewer&) = delete;
 
-  // Hands over all channels of `picture`, to be shown as the image `name`, which comes into view when it is new. One
-  // that has not begun to be sent yet is replaced. Returns false, and does nothing from then on, once tev is gone or
-  // has taken nothing for ten seconds.
+  // Queues all channels of `picture`, to be shown as the image `name`; tev selects a new image. A queued picture that
+  // is not being sent yet is replaced. Returns false, and does nothing from then on, after tev has closed or has
+  // accepted no data for ten seconds.
   bool show(const std::string& name, const Picture& picture);
 
-  // Waits until tev has what it was handed. Returns false where it is gone, or takes less than a MiB in a second.
+  // Waits until everything is sent. Returns false if tev has closed or accepts less than 1 MiB/s.
   bool finish();
 
 private:
   struct Link;
-  std::shared_ptr<Link> link_; // with the thread, which may outlive this: a name server cannot be hurried
+  std::shared_ptr<Link> link_; // shared with the thread, which may outlive this: a name look-up cannot be cancelled
 };
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// From linear radiance to display values, for PNG and JPG.
+// Tone curves: map linear radiance to display values, for PNG and JPG.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ enum class Tonemap : std::uint8_t {
 
 inline constexpr std::string_view kTonemapNames[] = {"none", "aces", "agx", "neutral"};
 
-// Linear sRGB in [0,1] of any radiance: negative and NaN channels count as 0.
+// Maps any radiance to linear sRGB in [0,1]. Negative and NaN channels count as 0.
 glm::vec3 tonemap(Tonemap curve, glm::vec3 radiance);
 
 // The sRGB transfer function (IEC 61966-2-1), [0,1] to [0,1], and its inverse.

@@ -39,7 +39,7 @@ inline constexpr std::uint32_t kAllPathStages =
                 kAccumulate}); // stages of a path tracer that is not training
 
 extern const KernelProgram kPathProgram;
-// The same stages with other layouts: a kernel set of one program cannot replace one of the other.
+// The same stages as a program of its own: a kernel set of one program never replaces one of the other.
 extern const KernelProgram kGuideTrainingProgram;
 
 // Buffers of Paths, by index.

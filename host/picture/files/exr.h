@@ -16,44 +16,44 @@ namespace wavepath {
 // Facts about the render that the header attributes of an EXR record.
 struct PictureInfo {
   std::uint32_t spp = 0;
-  double seconds = 0.0;        // rendering alone
+  double seconds = 0.0;        // seconds of rendering alone
   std::optional<double> error; // estimated relative RMS error
-  std::uint32_t seed = 0;      // at most 2^31 - 1, as EXR integers are signed
+  std::uint32_t seed = 0;      // at most 2^31 - 1, since EXR integers are signed
   std::string samples;         // "A:B"
   std::string scene, command, filter;
   std::string bias;   // entries separated by "; "
-  std::string plan;   // the decisions that were made, as JSON
-  std::string repeat; // a command that renders the same bits; empty where there is none
+  std::string plan;   // decisions of the plan, as JSON (host/plan/record.h)
+  std::string repeat; // command that renders the same bits; empty if there is none
   std::optional<View> view;
   std::optional<std::array<float, 16>> world_to_camera,
       world_to_ndc; // where there is no view, as read_matrix gives them
-  // For a picture that can be merged: the text that decides its bits (identity.h), the device that rendered it, and its
-  // exact sums, in channels film.NN, with the point that their positions are relative to.
+  // Only for a picture that can be merged: its identity (identity.h), the device that rendered it, and its exact sums
+  // in channels film.NN. `origin`: world position of the origin of the film's positions.
   std::string identity, device;
   glm::dvec3 origin{0.0};
   std::shared_ptr<const Film> film;
 };
 
-// As write_picture of picture_io.h, which calls it.
+// Writes a picture as write_picture() in picture_io.h does, which calls it. `half`: 16-bit floats.
 std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half);
 
-// A picture as write_exr() left it, without its exact sums; nothing where another program may have had a hand in it, or
-// it cannot be read. Saves `compare` of two renders the quarter of a second that it takes to load OpenImageIO.
+// Reads a picture that write_exr() has written, without its exact sums. Empty if another program may have changed the
+// file or it cannot be read. It saves `compare` of two renders the 0.25 s of loading OpenImageIO.
 std::optional<Picture> read_own_exr(const std::string& path);
 
-// Prefix of the names of channels of exact sums.
+// Prefix of the channels that hold exact sums.
 inline constexpr const char* kFilmPrefix = "film.";
 
 // A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
 std::string read_attribute(const std::string& path, const std::string& name);
 
-// A number from an EXR header; nothing if the file is no EXR or has none of that name.
+// A number from an EXR header; empty if the file is no EXR or has none of that name.
 std::optional<double> read_number(const std::string& path, const std::string& name);
 
 std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
 std::optional<glm::dvec3> read_vector(const std::string& path, const std::string& name);
 
-// The exact sums that an EXR holds; null if it has none. Throws Error.
+// The exact sums of an EXR; null if it has none. Throws Error.
 std::shared_ptr<const Film> read_film(const std::string& path);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// The filter of finished pictures: noise goes, edges stay, and so does the light as a whole.
+// Noise filter of finished pictures: keeps edges and the total light.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace wavepath {
 
-// Host memory that it takes for a pixel, its picture included.
+// Bytes of host memory that the filter needs for each pixel, the picture included.
 inline constexpr std::uint64_t kDenoiseBytesPerPixel = 256;
 
-// The radiance of every pixel without its noise. Biased: what is smaller than the noise is lost. The same bits for any
-// number of threads. The sum over the picture is that of `picture.color`, but for values that would be negative.
+// Returns the filtered radiance of every pixel. It is biased: detail smaller than the noise is lost. Its bits do not
+// depend on the number of threads. Its sum over the picture is that of `picture.color`, except for values that would be
+// negative.
 std::vector<glm::vec3> denoise(const NoisyPicture& picture);
 
 } // namespace wavepath

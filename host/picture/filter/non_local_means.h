@@ -10,8 +10,9 @@
 
 namespace wavepath {
 
-// `color` of every pixel of a picture that is `width` wide becomes the mean of those whose surroundings look alike, as
-// far as `variance`, of the three channels together, lets that be told.
+// Replaces `color` of every pixel by the mean of those pixels whose neighbourhoods look alike, as far as `variance`
+// lets differences be told from noise. `width`: of the picture, whose values are row-major. `variance`: sum over the
+// three channels of the variance of a pixel's mean.
 std::vector<glm::vec3> non_local_means(std::size_t width, const std::vector<glm::vec3>& color,
                                        const std::vector<float>& variance, const std::vector<SurfaceGuide>& guides);
 

@@ -1,4 +1,4 @@
-// Intel Open Image Denoise, if the user has it: opened at run time, so that nothing depends on it.
+// Intel Open Image Denoise. The library is opened at run time if the user has it, so that nothing depends on it.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace wavepath {
 
-// The library, once opened: throws Error if there is none. Early, so that no time is spent on rendering first.
+// Opens the library. Throws Error if there is none. Called early, before time is spent on rendering.
 void require_oidn();
 
-// The radiance of every pixel as the library filters it, by light, albedo and normal. Throws Error.
+// The radiance of every pixel, filtered by the library with the help of albedo and normal. Throws Error.
 std::vector<glm::vec3> denoise_by_oidn(const NoisyPicture& picture);
 
 } // namespace wavepath
