@@ -1,4 +1,4 @@
-// The world box of a scene's geometry, and which triangles count as finite.
+// World-space bounds of a scene's geometry; a limit beyond which triangles count as infinite.
 #pragma once
 
 #include <limits>
@@ -9,8 +9,8 @@
 
 namespace wavepath {
 
-// Coordinates from here on (2.9e17) are treated like infinite ones. Moved by an origin of the same size and padded, the
-// others stay within bvh::kMaxCoordinate.
+// Coordinates of this size or more (2.9e17) count as infinite. Smaller ones stay within bvh::kMaxCoordinate after they
+// are moved by an origin of the same size and padded.
 inline constexpr double kLargestCoordinate = 0x1p58;
 
 struct Bounds {
@@ -20,7 +20,8 @@ struct Bounds {
   void add(const glm::dvec3& p) { lo = glm::min(lo, p), hi = glm::max(hi, p); }
   void add(const Bounds& b) { lo = glm::min(lo, b.lo), hi = glm::max(hi, b.hi); }
   glm::dvec3 centre() const { return empty() ? glm::dvec3(0.0) : 0.5 * lo + 0.5 * hi; }
-  double radius() const { return empty() ? 0.0 : 0.5 * glm::length(hi - lo); } // of the sphere around the centre
+  // Radius of the sphere around the centre that holds the box.
+  double radius() const { return empty() ? 0.0 : 0.5 * glm::length(hi - lo); }
 };
 
 inline bool finite_point(const glm::dvec3& p) {
@@ -31,13 +32,13 @@ inline glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p) {
   return glm::dvec3(m * glm::dvec4(p, 1.0));
 }
 
-// Box of the triangles of `mesh` that stay finite under `transform`. Exact, not the transform of a box.
+// Box of the triangles of `mesh` that are finite after `transform`: exact, since it bounds the transformed corners.
 Bounds mesh_bounds(const Mesh& mesh, const glm::dmat4& transform);
 
 // Box around the eight transformed corners of `box`; empty stays empty.
 Bounds transform_bounds(const Bounds& box, const glm::dmat4& transform);
 
-// World space. Meshes shown once are boxed exactly, meshes shown more often by the corners of their own box.
+// World-space bounds of a scene. Meshes with one instance are bounded exactly, others by the corners of their own box.
 Bounds world_bounds(const Scene& scene);
 
 } // namespace wavepath

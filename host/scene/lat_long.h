@@ -19,7 +19,7 @@ glm::dvec3 environment_direction(const glm::dvec2& uv, double rotation);
 // Solid angle of one texel of row y.
 double texel_solid_angle(std::size_t y, std::size_t width, std::size_t height);
 
-// Irradiance by channel on a level surface that faces up; of a map, its texels taken as constant.
+// Irradiance of each channel on a level surface that faces up. Texels of a map count as constant.
 glm::dvec3 floor_irradiance(const Environment& environment);
 
 // Scales a map so that a white matte floor has a mean radiance of 1, and rounds its texels to 12 bits, so that

@@ -1,5 +1,5 @@
-// A material: its fields, and one table of them that import, schema check, hash, features and packing all read.
-// A new parameter is a member of Material, a row of visit_material_fields() and a member of gpu::Material.
+// A material: its fields, and the table of fields from which import, schema check, hash, features and packing are
+// derived.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 
-// An image as one material slot uses it.
+// Use of an image by one texture of a material.
 struct TextureSlot {
   std::uint32_t image = kNoIndex;
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   bool nearest = false;      // magFilter NEAREST
   bool srgb = false;         // the bytes of RGB are sRGB-encoded
-  std::uint32_t uv_set = 0;  // 0 or 1: of Mesh::uvs
+  std::uint32_t uv_set = 0;  // index into Mesh::uvs: 0 or 1
   glm::mat2 uv_matrix{1.0f}; // KHR_texture_transform: uv' = uv_matrix * uv + uv_offset
   glm::vec2 uv_offset{0.0f};
 
@@ -76,13 +76,13 @@ struct Material {
 inline bool needs_tangents(const Material& m) {
   return m.normal_texture.present() || m.coat_normal_texture.present() || m.anisotropy > 0.0f;
 }
-// The texture whose coordinates give these directions: the first that there is.
+// The texture whose coordinates define tangents: the first one present.
 inline const TextureSlot& tangent_slot(const Material& m) {
   for (const TextureSlot* slot : {&m.normal_texture, &m.coat_normal_texture, &m.anisotropy_texture})
     if (slot->present()) return *slot;
   return m.normal_texture;
 }
-// Layers whose texture may be read by other coordinates, which then have tangents of their own.
+// Layers whose texture may use other coordinates, and then has tangents of its own.
 inline constexpr std::size_t kCoatTangents = 0, kGrainTangents = 1;
 inline const TextureSlot& layer_tangent_slot(const Material& m, std::size_t layer) {
   const TextureSlot& slot = layer == kCoatTangents ? m.coat_normal_texture : m.anisotropy_texture;
@@ -122,7 +122,7 @@ template <class T>
 struct MaterialChoice {
   const char* name;
   T Material::*field;
-  std::array<std::uint32_t, 3> bits; // by value
+  std::array<std::uint32_t, 3> bits; // indexed by the value
   const char* gltf;
 };
 
@@ -134,11 +134,12 @@ struct MaterialTexture {
   const char* gltf;
   bool srgb;
   gpu::Feature feature;                       // kFeature or kLobe bit of the kernel code that reads it
-  const char* plural;                         // what a scene without that feature leaves out
+  const char* plural;                         // name in the list of what a scene without the feature leaves out
   bool (*visible)(const Material&) = nullptr; // false: its factor is zero, so that it is not loaded
 };
 
-// Calls `visit` with the row of each field but the name. Textures come last, in the order in which images are numbered.
+// Calls `visit` with the row of each field except the name. Textures come last, in the order in which images are
+// numbered.
 template <class Visit>
 constexpr void visit_material_fields(Visit&& visit) {
 #define WAVEPATH_FIELD(member) #member, &Material::member, &gpu::Material::member

@@ -1,5 +1,4 @@
-// Usage of data by the instances of a scene: meshes with their instance counts, materials, and the index of each mesh's
-// vertices.
+// Counts the uses of a scene's data by its instances: meshes, materials, and each mesh's position in the vertex arrays.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +9,26 @@
 namespace wavepath {
 
 struct Usage {
-  std::vector<std::uint32_t> mesh_instances; // by mesh: how many instances show it; 0 too if it has no triangle
-  std::vector<std::uint32_t> first_vertex;   // by mesh: its index in the packed vertex streams; kNoIndex if unused
-  std::vector<bool> material_used;           // by material
-  std::uint64_t vertex_count = 0;            // of all meshes in use, each once
-  std::uint64_t triangles_stored = 0;        // each mesh once, before any is dropped
-  std::uint64_t triangles_seen = 0;          // instances counted
-  std::uint64_t shared_instances = 0;        // instances of meshes that are shown more than once
-  bool smooth = false;                       // some primitive has vertex normals
-  bool colored = false;                      // some mesh has vertex colours
+  std::vector<std::uint32_t> mesh_instances; // for each mesh, the number of its instances; 0 also if it has no triangle
+  // For each mesh, its first index in the packed vertex arrays; kNoIndex if unused.
+  std::vector<std::uint32_t> first_vertex;
+  std::vector<bool> material_used;    // for each material
+  std::uint64_t vertex_count = 0;     // vertices of all used meshes, each mesh once
+  std::uint64_t triangles_stored = 0; // triangles of all used meshes, each mesh once, before any is dropped
+  std::uint64_t triangles_seen = 0;   // triangles of all instances
+  std::uint64_t shared_instances = 0; // instances of meshes that are shown more than once
+  bool smooth = false;                // some primitive has vertex normals
+  bool colored = false;               // some mesh has vertex colours
 
   bool two_level() const { return shared_instances > 0; }
 };
 
-// Indices of the scene are in range: the loader has checked them. Throws Error if there are more than 2^32 - 1
-// vertices.
+// Counts the uses. The indices of the scene must be in range, which the loader has checked. Throws Error if there are
+// more than 2^32 - 1 vertices.
 Usage find_usage(const Scene& scene);
 
-// About how many triangles will be lights, instances counted: of textured emitters, by what of the texture shines,
-// all of them while it is not decoded.
+// Estimated number of triangles that will be lights, in all instances. Of textured emitters it counts the lit part of
+// the texture; all of them if the texture is not decoded yet.
 std::uint64_t count_emitters(const Scene& scene, const Usage& usage);
 
 } // namespace wavepath

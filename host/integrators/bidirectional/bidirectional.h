@@ -1,4 +1,4 @@
-// Bidirectional path tracing: a light path and a camera path for every sample, and what joins them.
+// Bidirectional path tracing (Veach 1997): traces a light path and a camera path for every sample, and connects them.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// What its light paths do not have.
+// kLobe bits that its light paths do not support.
 inline constexpr gpu::Feature kBidirectionalLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
 
 class Bidirectional : public Integrator {
@@ -43,27 +43,27 @@ private:
 
   Workspace& workspace_;
   KernelCompiler& kernels_;
-  Paths paths_; // of both kinds, one after the other
+  Paths paths_; // light paths, and then camera paths
   LightTrainer trainer_;
-  bool is_training_ = false; // before the first sample of the picture
+  bool is_training_ = false; // training runs, before the first sample
   BufferSet buffers_;
   KernelNeed need_;
-  std::uint32_t techniques_ = 0; // those that the scene has use for
+  std::uint32_t techniques_ = 0; // kTechnique bits that are useful in this scene
   const DeltaSurfaces delta_surfaces_;
   const bool lamps_in_bodies_;
-  PhotonPlan photons_; // no paths where nothing merges
+  PhotonPlan photons_; // path_count 0 = no merging
   float first_radius_ = 0.0f;
-  std::optional<std::uint32_t> first_block_, block_; // of the render, and that the map is of
+  std::optional<std::uint32_t> first_block_, block_; // block of the render's first sample; block that the map holds
   KernelNeed photon_need_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
 extern const KernelProgram kBidirectionalProgram;
 inline constexpr std::uint32_t kBidirectionalStages = 0x7f; // all
-// Of Paths: all but those that shade.
+// Stages that it uses of Paths: all but those that shade.
 inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade, kEscape, kReuse});
 
-// Bytes of light vertices and connections that a slot takes. `merges`: where there are photons.
+// Bytes of light vertices and connections for each slot. `merges`: the render has photons.
 std::uint64_t light_bytes_per_slot(const RenderPlan& settings, bool merges);
 std::uint64_t light_vertex_bytes_per_slot(const RenderPlan& settings);
 

@@ -1,5 +1,4 @@
-// Maps of photons: in which scenes there are any, how many samples share one, and how far from a point it finds
-// photons.
+// Photon maps: the scenes that need them, the number of samples that use one map, and its search radius.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +15,23 @@ struct PackedScene;
 struct ScenePlan;
 struct RenderPlan;
 
-// Surfaces with a lobe of one direction: smooth metal, smooth glass, what is coated.
+// Surfaces with a delta lobe: smooth metal, smooth glass, coated surfaces.
 struct DeltaSurfaces {
   double area = 0.0;
-  glm::dvec3 centre{0.0}; // device world
+  glm::dvec3 centre{0.0}; // in the device's world space
 };
 DeltaSurfaces find_delta_surfaces(const PackedScene& scene);
 
-// Whether settings ask for photons, wherever a scene has use for them.
+// True if the settings use photons in scenes that need them.
 bool asks_for_photons(const RenderPlan& settings);
-// Whether a scene of these kFeature bits may have use for them: what is found before it is packed.
+// True if such a scene may need photons, as far as can be told before it is packed. `features`: kFeature bits.
 bool may_have_photons(const RenderPlan& settings, const ScenePlan& scene, gpu::Feature features);
 
-// Samples in blocks of a power of two share a map for each replicate, so that as many light paths are traced for
-// photons as there are samples, but not above a bound. All of it is a function of the picture's size.
+// Plan of the photon maps. A block of samples, a power of two, has one map for each replicate, so that there are as
+// many light paths for photons as samples, up to a limit. It depends on the size of the picture alone.
 struct PhotonPlan {
   std::uint32_t block = 0;      // samples
-  std::uint32_t path_count = 0; // of a replicate
+  std::uint32_t path_count = 0; // light paths of each replicate
   std::uint32_t cell_count = 0;
 
   std::uint32_t photons() const { return gpu::kReplicates * path_count; }
@@ -40,8 +39,8 @@ struct PhotonPlan {
 };
 PhotonPlan plan_photons(std::uint64_t pixels);
 
-// The radius of the first pass over all pixels, and of a later block: as Knaus and Zwicker (2011) shrink it, a function
-// of the samples alone, so that ranges of samples that are rendered apart join to the same picture.
+// Search radius in metres of the first block, and of a later one. It shrinks as Knaus and Zwicker (2011) do, as a
+// function of samples alone, so that ranges of samples that are rendered apart join to the same picture.
 float first_radius(const gpu::Frame& frame, const DeltaSurfaces& surfaces);
 float radius_of_block(float first, const PhotonPlan& plan, std::uint32_t block);
 

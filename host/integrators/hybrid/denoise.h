@@ -1,5 +1,5 @@
-// The filter of the hybrid's noisy signals over space and time (SVGF: Schied et al. 2017): direct light and ambient
-// occlusion.
+// Filter over space and time (SVGF: Schied et al. 2017) of the hybrid integrator's noisy signals: direct light and
+// ambient occlusion.
 #pragma once
 
 #include <array>
@@ -16,26 +16,26 @@ namespace wavepath {
 
 class Denoiser {
 public:
-  // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() will find. `signals`: vec4, likewise; the
-  // direct light in xyz, the unoccluded fraction in w. `wanted`: kHybridLights, kHybridAmbient or both; the other
-  // passes through. Both buffers outlive the denoiser.
+  // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() filters. `signals`: vec4, row-major: direct
+  // light in xyz, unoccluded fraction in w. `wanted`: the signals to filter, kHybridLights, kHybridAmbient or both; the
+  // other is left unchanged. Both buffers must outlive the denoiser.
   Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& signals,
            std::uint32_t wanted);
   Denoiser(Denoiser&&) = delete;
 
-  // Filters `signals` in place and remembers the frame for the next. `now` is how its G-buffer was seen; the geometry
-  // stands still. What wrote the inputs needs no barrier, nor does what reads the result. Ends with its own bindings
-  // bound.
+  // Filters `signals` in place and keeps the frame for the next one. `now`: camera of its G-buffer; the geometry must
+  // not move. Barriers before and after are not needed. Leaves its own bindings bound.
   void record(Commands& commands, const gpu::CameraView& now);
-  // A cut, or a change of what is to be seen: the next frame has no history.
+  // Forgets earlier frames, after a cut or a change of what is shown.
   void forget();
 
-  static std::uint64_t bytes_per_pixel(); // of device memory, as is the next
+  static std::uint64_t bytes_per_pixel(); // of device memory, as bytes()
   std::uint64_t bytes() const { return buffers_.bytes(); }
-  std::uint32_t dispatches() const; // that record() records at most
+  std::uint32_t dispatches() const; // upper limit for record()
 
 private:
-  // From kShapes on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
+  // Own buffers. From kShapes on they are pairs: one of this frame and one of the frame before, which take turns; the
+  // two guides take turns within a frame.
   enum OwnBuffer {
     kReprojection,
     kSlopes,
@@ -49,8 +49,8 @@ private:
     kSpreading
   };
   enum Stage { kTemporal, kVariance, kAtrous, kSplit, kSpread, kReturn };
-  // What each dispatch reads and writes: temporal and variance, after motion or without; the iterations of the a-trous
-  // filter; rare bright samples, split from the light, spread and added back.
+  // Inputs and outputs of each dispatch: temporal and variance filter after motion (kMoving) or without (kStanding);
+  // the iterations of the a-trous filter; splitting, spreading and returning of rare bright samples.
   enum FlowName {
     kMoving,
     kStanding,
@@ -65,7 +65,7 @@ private:
     kReturnFlow,
     kFlowCount
   };
-  // Five iterations, as in the paper: 125 pixels across.
+  // Five iterations, as in the paper: the filter is 125 pixels wide.
   static constexpr std::array<FlowName, 5> kIterations = {kFirst, kSecond, kBack, kForth, kBack};
   struct Flow {
     const Buffer *history_before, *color_in, *color_out, *guide_in, *guide_out;
@@ -73,16 +73,16 @@ private:
   std::vector<Binding> bindings(std::uint32_t parity, const Flow& flow) const;
 
   std::uint32_t width_, height_;
-  bool splits_; // there is light whose rare bright samples are split
+  bool splits_; // rare bright samples are split from the direct light
   FilterBands bands_;
   const Buffer& gbuffer_;
   BufferSet buffers_;
-  std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by turn
-  std::vector<Kernel> kernels_;                                             // by Stage
+  std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by parity_
+  std::vector<Kernel> kernels_;                                             // indexed by Stage
   gpu::CameraView before_{};
-  bool remembers_ = false; // there is a frame before
+  bool remembers_ = false; // there is an earlier frame
   std::uint32_t parity_ = 0;
-  std::uint32_t still_frames_ = 0; // since the camera moved
+  std::uint32_t still_frames_ = 0; // frames since the camera moved
 };
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Applies a filter to a picture strip by strip; each strip of tiles is a dispatch short enough for any device.
+// Applies a filter to a picture strip by strip, so that every dispatch is short enough for any device.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@ public:
   FilterBands(const Device& device, std::uint32_t width, std::uint32_t height);
 
   std::uint32_t count() const { return (tiles_ + tiles_per_band_ - 1) / tiles_per_band_; }
-  // The bindings of `kernel` are bound. Ends with a barrier.
+  // Runs a kernel, whose bindings must be bound. Ends with a barrier.
   void run(Commands& commands, const Kernel& kernel, std::uint32_t step = 0) const;
 
 private:
   std::uint32_t tiles_, tiles_per_band_;
 };
 
-// Bytes of a filter's buffer.
+// Bytes of a buffer with a vec4 for each pixel.
 inline std::uint64_t vec4_a_pixel(const BufferDimensions& dimensions) { return dimensions.pixels * sizeof(gpu::vec4); }
 
-// Two frames as filters over time need them; `before` is ignored if there was no such frame.
+// Constants that filters over time need of two frames. `remembers`: false = there is no frame before, and `before` is
+// ignored.
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,
                             std::uint32_t width, std::uint32_t height);
 

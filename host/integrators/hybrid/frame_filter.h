@@ -1,4 +1,4 @@
-// A filter of finished frames, one kernel or several after each other, each seeing no frame but this one.
+// Filter of finished frames: one or several kernels, each of which reads this frame only.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,15 @@ namespace wavepath {
 
 class FrameFilter {
 public:
-  // `gbuffer`: gpu::GbufferPixel, `color`: vec4, linear; both row-major, and outliving this.
+  // `gbuffer`: gpu::GbufferPixel. `color`: vec4, linear. Both are row-major and must outlive this object.
   FrameFilter(Device& device, std::span<const KernelCode> passes, std::uint32_t width, std::uint32_t height,
               const Buffer& gbuffer, const Buffer& color);
   FrameFilter(FrameFilter&&) = delete;
 
-  // Filters `color` into result(). What wrote the inputs needs no barrier, nor does what reads the result. Ends with
-  // its own bindings bound.
+  // Filters `color` into result(). Barriers before and after are not needed. Leaves its own bindings bound.
   void record(Commands& commands);
 
-  // vec4, row-major.
+  // The filtered colour: vec4, row-major.
   const Buffer& result() const { return buffers_[kResult]; }
   std::uint64_t bytes() const { return buffers_.bytes(); } // of device memory
 

@@ -1,8 +1,8 @@
-// The hybrid integrators: first hits, rasterized or traced for all pixels alike, shaded by the path tracer's own
-// kernels, and ambient occlusion.
+// The hybrid integrators: first hits are rasterized, or traced for all pixels; the path tracer's kernels shade them;
+// ambient occlusion dims the rest.
 //
 // A frame is one sample of the film: all pixels are seen through the same position of the pixel filter. Direct light is
-// what the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient
+// that of the path tracer with --max-depth 1, found by the same kernels. Light of more than one bounce is an ambient
 // term: albedo * (1 - metallic) * ambient radiance * unoccluded fraction (after Zhukov et al. 1998; Landis 2002).
 #pragma once
 
@@ -29,14 +29,14 @@ class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
 struct OcclusionKind;       // host/integrators/hybrid/occlusion/technique.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
-// Whether frames have light beyond the direct one, or are nothing but occlusion.
+// True if frames have an ambient term, or show occlusion alone.
 bool has_ambient(const RenderPlan& settings);
 
-// How first hits are found where nothing else decides it: what takes this device less time. A CPU driver takes half a
-// microsecond and more for a triangle that it draws, wherever that is, and a tenth to a third for a ray.
+// True if first hits are rasterized, where settings leave it open: the faster way on this device. A CPU driver takes
+// half a microsecond and more to draw a triangle, wherever it is, and 0.1 to 0.3 microseconds for a ray.
 bool rasterizes_first_hits(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device);
 
-// The kernels of frames under these settings, those of light left out, in the configuration that paths have.
+// The kernels of frames with these settings, without those that shade, in the configuration of the paths' kernels.
 KernelNeed hybrid_need(const RenderPlan& settings, const KernelConfig& config);
 
 class Hybrid : public Integrator {
@@ -44,14 +44,14 @@ public:
   Hybrid(Workspace& workspace, KernelCompiler& kernels);
   ~Hybrid() override;
 
-  // With TemporalHistory::keep the ambient radiance stays what it was, and filters over time still know the frames
-  // before if their size is the same; what comes out then depends on them. Throws Error if the device cannot rasterize.
+  // With TemporalHistory::keep the ambient radiance stays the same, and filters over time keep earlier frames of the
+  // same size; the result then depends on them. Throws Error if the device cannot rasterize but must.
   void change(const View& view, const RenderPlan& settings, TemporalHistory history) override;
   bool is_ready() override;
   double get_ready() override;
 
-  // Some thousand pixels, from whose light the ambient radiance is estimated, unless the settings give it or no ambient
-  // term is wanted.
+  // Some thousand pixels, from whose light the ambient radiance is estimated. None if the settings give that radiance
+  // or there is no ambient term.
   std::optional<Pilot> pilot() override;
   bool end_pilot() override;
 
@@ -72,7 +72,7 @@ private:
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
-  struct Filters; // over frames
+  struct Filters; // filters of finished frames
   void make_frame(const View& view, const RenderPlan& settings, TemporalHistory history);
   void allocate(const View& view, TemporalHistory history);
   void remake_filters(bool moved, TemporalHistory history);
@@ -85,7 +85,7 @@ private:
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void share_shading(WaveQueue& queue);
   void composite(WaveQueue& queue, std::uint32_t flags);
-  bool filters_frames() const; // each by itself, for smooth edges
+  bool filters_frames() const; // true if each frame is filtered by itself, for smooth edges
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 
@@ -96,28 +96,28 @@ private:
   RenderPlan settings_;
   gpu::CameraView camera_;
   gpu::HybridFrame frame_{};
-  bool rasterizes_ = true;     // otherwise frames are traced
-  bool knows_ambient_ = false; // of frames before
+  bool rasterizes_ = true;     // false: first hits are traced
+  bool knows_ambient_ = false; // from earlier frames
   KernelNeed need_;
-  Kept<Visibility, glm::u64vec4> visibility_;     // by width, height, features, sides and way
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  Kept<Visibility, glm::u64vec4> visibility_;     // key: width, height, features, and the options of Visibility
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
   FrameTimes antialias_times_;
-  Kept<ShadowTechnique, const ShadowKind*> shadows_; // none where rays are traced
+  Kept<ShadowTechnique, const ShadowKind*> shadows_; // null if shadow rays are traced
   ShadowTimes shadow_times_;
-  Kept<ScreenSpaceOcclusion, const OcclusionKind*> occlusion_; // none where rays are traced
+  Kept<ScreenSpaceOcclusion, const OcclusionKind*> occlusion_; // null if occlusion rays are traced
   bool piloting_ = false;                                      // until end_pilot()
-  Kept<LocalShading, const ShadingKind*> shading_;             // none where materials are glTF's own
+  Kept<LocalShading, const ShadingKind*> shading_;             // null if glTF's own BSDF shades
   struct LayersMadeFor {
     const LayerRecipe* recipe = nullptr;
     KernelConfig config;
     std::uint32_t width = 0, height = 0, layers = 0;
     bool operator==(const LayersMadeFor&) const = default;
   };
-  Kept<Layers, LayersMadeFor> layers_; // none where BLEND surfaces are seen through otherwise
-  Kept<Filters, glm::uvec4> filters_;  // by size, flags, and which
-  std::vector<glm::vec2> jitters_;     // of frames from first_jitter_ on
+  Kept<Layers, LayersMadeFor> layers_; // null if no technique draws BLEND surfaces in layers
+  Kept<Filters, glm::uvec4> filters_;  // key: size, flags, kinds of filters
+  std::vector<glm::vec2> jitters_;     // positions in the pixel of the frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
-  std::uint32_t next_sample_ = 0;           // whose frame may share the shading of those before it
+  std::uint32_t next_sample_ = 0;           // sample whose frame may use the shading of earlier ones
   std::vector<std::uint32_t> pilot_pixels_; // pixels of the pilot, row-major
 };
 

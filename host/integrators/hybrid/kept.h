@@ -1,16 +1,17 @@
-// Something that is made for a key, and made anew where the key is another.
+// A cached object: made for a key, and made again when the key changes.
 #pragma once
 
 #include <memory>
 
 namespace wavepath {
 
-// What was made before is gone while something new is made: the device may not hold both at once. If making throws,
-// there is nothing.
+// The old object is destroyed before the new one is made, since the device may not hold both. If making throws, there
+// is no object.
 template <class T, class Key>
 class Kept {
 public:
-  // `make` returns a std::unique_ptr<T>. Returns whether it was called.
+  // Makes the object by `make`, which returns std::unique_ptr<T>, unless there is one for this key. Returns true if it
+  // was made.
   template <class Make>
   bool keep(const Key& key, Make make) {
     if (value_ && key == key_) return false;

@@ -5,10 +5,10 @@
 
 namespace wavepath {
 
-// First hits, rasterized or traced, traced direct light, and an ambient term, dimmed by traced ambient occlusion, for
-// all further bounces.
+// Rasterized or traced first hits, traced direct light, and an ambient term for further bounces, dimmed by traced
+// ambient occlusion.
 extern const IntegratorKind kHybrid;
-// That occlusion alone, as a picture of the unoccluded fraction.
+// The occlusion alone, as a picture of the unoccluded fraction.
 extern const IntegratorKind kAo;
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// How far ambient occlusion looks.
+// The radius of ambient occlusion.
 #pragma once
 
 #include "host/render/settings/render_plan.h"
@@ -7,7 +7,8 @@ namespace wavepath {
 
 struct PackedScene;
 
-// Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
+// Distance in metres beyond which nothing occludes; 0 = unlimited. It is settings.ao_radius, or the default for the
+// scene.
 double occlusion_radius(const PackedScene& scene, const RenderPlan& settings);
 
 } // namespace wavepath

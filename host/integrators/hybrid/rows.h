@@ -1,4 +1,4 @@
-// The rows of the table of settings that techniques of hybrid frames have.
+// Rows of the table of settings for the techniques of hybrid frames.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
-// First hits of a frame: for every pixel the indices of its triangle and its instance, rasterized, or found by a
-// camera ray through the same position in the pixel. Both see the same but for edges that fall between two positions of
-// the grid of 1/256 pixel which rasterizers round corners to.
+// First hits of a frame: the index of the triangle and of the instance for every pixel. They are rasterized, or found
+// by a camera ray through the same position in the pixel. Both agree except at edges, since rasterizers round corners
+// to a grid of 1/256 pixel.
 #pragma once
 
 #include <array>
@@ -22,32 +22,33 @@
 
 namespace wavepath {
 
-// A view as the device has it.
+// A view in the device's world space.
 gpu::CameraView camera_of(const PackedScene& scene, const View& view);
 
-// HybridFrame::near and ::far of a view.
+// Values of HybridFrame::near and ::far for a view.
 struct ClipPlanes {
   float near = 0.0f, far = 0.0f;
 };
 ClipPlanes clip_planes(const PackedScene& scene, const View& view);
 
-// Whether rasterization puts the edges of such a scene where they belong, to a quarter of a pixel.
+// True if rasterization places the edges of such a scene to within a quarter of a pixel.
 bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width, std::uint32_t height);
 
 class Visibility {
 public:
-  // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
-  // outlive this. `features`: kFeature bits that the path tracer's kernels have. `rasterizes`: else rays are traced.
-  // Throws Error if the device cannot rasterize though it is to, or no picture of this size. `cull` (kCull*): whether
-  // single-sided surfaces are there from behind.
+  // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads again; they and `gpu_scene`
+  // must outlive this object. `features`: kFeature bits of the path tracer's kernels. `rasterizes`: false = rays are
+  // traced. `cull`: kCull constant, whether single-sided surfaces are visible from behind. Throws Error if the device
+  // cannot rasterize but must, or cannot hold a picture of this size.
   Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
              const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height, bool rasterizes,
              std::uint32_t cull = gpu::kCullCamera);
 
-  // Submits what finds what `camera`, the frame's own, sees; what `prepare` records comes first.
+  // Submits the work that finds what `camera` sees, which must be the frame's camera. `prepare`: records commands that
+  // run before.
   void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
 
-  // For kBindVisibility: two words a pixel, row by row from the top left.
+  // Buffer for kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
   std::uint64_t bytes() const { return ids_.bytes() + (raster_ ? raster_->target.bytes() : 0); }
 
@@ -63,7 +64,7 @@ private:
   std::uint32_t width_, height_;
   Buffer ids_, unused_;
   BindingSet bindings_;
-  std::unique_ptr<Raster> raster_; // one of the two
+  std::unique_ptr<Raster> raster_; // null if rays are traced
   std::optional<Kernel> tracer_;
   SliceLength triangles_a_slice_, pixels_a_slice_;
 };

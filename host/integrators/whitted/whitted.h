@@ -23,23 +23,23 @@ public:
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
 
 private:
-  std::uint32_t light_passes() const; // at every depth
+  std::uint32_t light_passes() const; // passes over the lights at every depth
 
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths paths_; // the samples of a wave, and the kernel that adds them to the film
   BufferSet buffers_;
   KernelNeed need_;
-  std::uint32_t width_ = 1;                       // nodes of a tree
-  std::uint32_t shadow_rays_ = 0;                 // of a surface
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  std::uint32_t width_ = 1;                       // nodes of a tree at one depth
+  std::uint32_t shadow_rays_ = 0;                 // shadow rays of a surface
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
 extern const KernelProgram kWhittedProgram;
 inline constexpr std::uint32_t kWhittedStages = 0xf; // all
 inline constexpr gpu::Feature kWhittedLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
 
-// Rays of a sample that are followed at once.
+// Number of rays of a sample that are followed at the same time.
 std::uint32_t tree_width(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// How the samples of a picture are dealt to devices of different speed.
+// Distributes the samples of a picture among devices of different speed.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace wavepath {
 
-// Counts of samples proportional to `speeds` (samples a second, of which one at least is positive), by largest
-// remainders: they add up to `count`.
+// Numbers of samples for each device, in proportion to `speeds`, which add up to `count` (largest remainders).
+// `speeds`: samples a second, at least one of them positive.
 std::vector<std::uint32_t> deal(std::uint32_t count, std::span<const double> speeds);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// One picture by several devices. Each renders ranges of its samples; their exact sums are joined.
+// Renders one picture on several devices. Each renders ranges of its samples; their exact sums are joined.
 #pragma once
 
 #include <cstdint>
@@ -26,29 +26,29 @@ struct RenderingDevice {
   KernelCompiler* kernels = nullptr;
 };
 
-// What one device did.
+// Work of one device.
 struct DeviceWork {
   std::string name, driver;
-  std::vector<SampleRange> ranges; // of the samples that it has rendered, in ascending order
+  std::vector<SampleRange> ranges; // ranges of samples that it has rendered, ascending
   double seconds = 0.0;            // rendering
   std::uint64_t rays = 0;
-  bool lost = false; // on its way; what it had not finished went to the others
+  bool lost = false; // true if the device was lost; other devices rendered its unfinished samples
 
-  std::uint32_t samples() const; // of every pixel
+  std::uint32_t samples() const; // samples of every pixel
 };
 
 struct MultiDeviceResult {
   RenderResult result;
   std::vector<DeviceWork> device_work; // in the order of the devices
-  // A pilot has the same bits on all devices: then so has the picture, however its samples are dealt. Else its rounding
-  // depends on that.
+  // True if a pilot had the same bits on all devices. Then the picture does not depend on how samples were distributed;
+  // otherwise its last bits do.
   bool bits_agree = true;
 };
 
-// Renders as render() does, with kernels and a thread for each device. Samples are dealt in rounds, each three times as
-// large as all before, in proportion to the speeds that were measured; seconds are those of the clock. Targets are
-// looked at between rounds. `hooks`: progress and checkpoint. The settings are neither adaptive nor those of resumed
-// renders. Throws Error as render() does, and DeviceLost once no device is left.
+// Renders as render() does, with kernels and a thread for each device. Samples are distributed in rounds, each three
+// times as large as all before together, in proportion to measured speeds; seconds are wall time. Targets are checked
+// between rounds. `hooks`: only progress, show and checkpoint are used. The settings must not be adaptive. Throws Error
+// as render() does, and DeviceLost once no device is left.
 MultiDeviceResult render_by_several(std::span<const RenderingDevice> devices, const PackedScene& scene,
                                     const View& view, const RenderPlan& settings, const RenderHooks& hooks);
 

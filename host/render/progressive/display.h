@@ -1,4 +1,4 @@
-// The film as a window shows it: developed, scaled up and encoded on the device, into words that it copies to its
+// Shows a film in a window: develops, scales and encodes it on the device, into a buffer that the window copies to its
 // image.
 #pragma once
 
@@ -16,9 +16,8 @@
 
 namespace wavepath {
 
-// What of the film is shown. `error`: the relative standard error of each pixel, as false colour up to
-// DisplayOptions::range. `shadow_error`: where shadows are false (shadow_comparison.h), which is made on the host; the
-// colour until then.
+// Quantity that is shown. `error`: relative standard error of each pixel, in false colour up to DisplayOptions::range.
+// `shadow_error`: false shadows (shadow_comparison.h), computed on the host; the colour is shown until it is ready.
 enum class Shown : std::uint32_t {
   color,
   albedo,
@@ -43,19 +42,20 @@ inline constexpr std::array<std::string_view, 18> kShownNames = {
     "color",    "albedo", "normal",       "depth", "position",  "direct",   "indirect",  "emission",  "samples",
     "variance", "error",  "shadow-error", "ao",    "roughness", "metallic", "triangles", "instances", "materials"};
 
-// The --aov that rendering needs so that it can be shown: put it into RenderPlan::aovs. Empty = none.
+// Values of --aov that the render needs for this quantity, to be put into RenderPlan::aovs.
 std::vector<std::string> aovs_for(Shown shown);
-// False: its frames hold no such thing.
+// False if the frames of the integrator do not hold the quantity.
 bool can_show(const IntegratorKind& integrator, Shown shown);
 
 struct DisplayOptions {
   Shown shown = Shown::color;
-  double exposure = 0.0;      // stops; of colour, direct, indirect, emission
+  double exposure = 0.0;      // stops; for colour, direct, indirect, emission
   bool auto_exposure = false; // the window chooses the exposure from the picture
   Tonemap tonemap = Tonemap::neutral;
   bool bgra = false; // order of the bytes in a word: B first, else R first; A is 255
   double range =
-      0.0; // depth (metres), position (metres), samples, error, variance: what is shown brightest; 0 = automatic
+      // Value that is shown brightest, for depth (metres), position (metres), samples, error, variance; 0 = automatic.
+      0.0;
 };
 
 class Display {
@@ -63,15 +63,15 @@ public:
   // Compiles its kernel.
   explicit Display(Device& device);
 
-  // Draws what there is of the picture. Pixels that have no sample yet keep what was drawn before, so that nothing goes
-  // black when the render begins anew. Shows the colour where `shown` needs AOVs that are not rendered.
-  // What is left of `first_column` stays too.
+  // Draws the picture so far. Pixels without a sample keep what was drawn before, so that nothing turns black when the
+  // render starts over. Pixels left of `first_column` keep it, too. Shows the colour if `shown` needs AOVs that are not
+  // rendered.
   void draw(const Progressive& progressive, const DisplayOptions& options, std::uint32_t first_column = 0);
-  // Shows values of 0 to 1 in linear sRGB, R G B first, instead, of the size that was drawn last.
+  // Shows a picture on the screen size drawn last: values of 0 to 1 in linear sRGB, R G B first.
   void show(const Picture& picture, bool bgra);
 
-  // sRGB-encoded, one word a pixel, row-major from the top left, width() * height() of them: the size that the render
-  // has in full. Valid until the next draw(), which may replace the buffer when the size has changed.
+  // The encoded pixels: sRGB, one word a pixel, row-major from the top left, width() * height() words, the full size of
+  // the render. Valid until the next draw(), which may replace the buffer if the size has changed.
   const Buffer& pixels() const { return pixels_; }
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }

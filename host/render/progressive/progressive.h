@@ -1,4 +1,5 @@
-// A render that a window steps: a wave at a time, coarse while the camera moves, begun anew when anything changes.
+// A render that a window drives step by step: one wave at a time, coarse while the camera moves, started over after any
+// change.
 #pragma once
 
 #include <cstdint>
@@ -10,63 +11,65 @@
 
 namespace wavepath {
 
-// What a window tells about the render.
+// Status of the render, for the window.
 struct ProgressiveStatus {
-  bool compiling = false;     // kernels are; until they are ready nothing new is rendered
-  bool done = false;          // all samples are in, of the picture at rest
+  bool compiling = false;     // kernels are being compiled; until they are ready nothing new is rendered
+  bool done = false;          // the picture at rest has all its samples
   std::uint32_t coarse = 1;   // a rendered pixel is this many pixels wide and high on screen
-  std::uint32_t spp = 0;      // samples that every pixel has; at `coarse`
-  std::uint32_t planned = 0;  // and is to get
-  double fraction = 0.0;      // of the samples planned
-  double seconds = 0.0;       // that the device has rendered since it was begun anew
-  double frame_seconds = 0.0; // that one sample of every pixel takes, at `coarse`
+  std::uint32_t spp = 0;      // samples a pixel so far, at the size of `coarse`
+  std::uint32_t planned = 0;  // samples a pixel planned
+  double fraction = 0.0;      // fraction of the planned samples that are done
+  double seconds = 0.0;       // device time since it was started over
+  double frame_seconds = 0.0; // device time of one sample of every pixel, at the size of `coarse`
   double mrays_per_second = 0.0;
   ErrorEstimate error;         // zero until known
-  std::uint32_t error_spp = 0; // samples a pixel that it was estimated at
-  double slope = -0.5;         // of log error against log time
+  std::uint32_t error_spp = 0; // samples a pixel at the time of the estimate
+  double slope = -0.5;         // d log(error) / d log(time)
   MemoryUse memory;
-  glm::vec3 ambient{0.0f};             // radiance that hybrid frames use
-  std::optional<ShadowReport> shadows; // of a shadow technique
+  glm::vec3 ambient{0.0f};             // ambient radiance of hybrid frames
+  std::optional<ShadowReport> shadows; // empty without a shadow technique
 };
 
 class Progressive {
 public:
-  // Uploads the scene, unless it is there. `scene` and `kernels` outlive it. The picture has settings.width times
-  // height pixels, which is what `view` is resolved for, and is done at settings.last_sample. Settings of time, error
-  // and adaptive sampling play no part. Throws Error if the device cannot hold it.
+  // Uploads the scene unless `uploaded` holds it. `scene` and `kernels` must outlive this object. The picture has
+  // settings.width times settings.height pixels, for which `view` must be resolved, and ends at settings.last_sample.
+  // Settings of time, error and adaptive sampling are ignored. Throws Error if the device cannot hold the scene.
   Progressive(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
               KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
-  // Another render of the same scene and view, which shares what is on the device of the scene.
+  // Another render of the same scene and view, which uses the same copy of the scene on the device.
   std::unique_ptr<Progressive> beside(const RenderPlan& settings) const;
 
-  // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and
-  // the last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
+  // Submits one wave of about 15 ms and waits for an older one. The first wave of a hybrid frame also draws it, and the
+  // last one finishes it. Returns false if there was nothing to do: kernels are not ready, or all samples are done.
   bool step();
 
-  // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in
-  // full. A picture that a move has begun is completed first, even if others follow at once; view() tells whose it is.
+  // The next five start over. move(): coarse, so that there is a picture about every 100 ms, until rest(), which
+  // continues in full. A picture begun by a move is completed first, even if further moves follow at once; view() tells
+  // whose it is.
   void move(const View& view);
   void rest();
   void set_view(const View& view); // in full at once
-  // Anything but the scene, the size and the AOVs included; `view` is resolved for the new size. Keeps what it can of
-  // what is on the device; the scene always. settings.direct may be any, whatever the scene was packed for but
+  // Changes any setting, size and AOVs included. `view` must be resolved for the new size. Keeps data on the device
+  // where possible, and always the scene. settings.direct may have any value if the scene was not packed for
   // kDirectBsdf.
   void set_settings(const RenderPlan& settings, const View& view);
-  // Another scene, or the same one packed anew; uploads it.
+  // Changes to another scene, or to the same scene packed anew, and uploads it.
   void set_scene(const PackedScene& scene, const View& view);
 
   const RenderPlan& settings() const { return settings_; }
   const View& view() const { return view_; }
   bool moving() const { return moving_; }
   ProgressiveStatus status() const;
-  std::uint32_t spp() const { return loop_->spp(); } // these three as the status tells them
+  std::uint32_t spp() const { return loop_->spp(); } // as in the status, and the next two
   std::uint32_t coarse() const { return coarse_; }
-  // Not while the picture is temporary, even where that one has all its samples.
+  // True if all samples are done. False while the picture is a temporary one, even if that has all its samples.
   bool is_done() const { return loop_->is_done() && !moving_ && !is_for_motion(); }
-  // Rendering seconds until the estimated error is `target`; infinite while that cannot be told.
+  // Predicted rendering seconds until the estimated error is `target`; infinite if there is no prediction.
   double seconds_to(double target) const;
 
-  // The exact sums so far and the picture that they make, as render() develops it: of `coarse` size while it moves.
+  // The exact sums so far, and the picture developed from them as render() does; of the coarse size while the camera
+  // moves.
   Film film() { return loop_->film(); }
   Picture picture();
 

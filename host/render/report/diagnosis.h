@@ -1,4 +1,4 @@
-// What a render's own figures say about whether it can be trusted, in words.
+// Diagnosis of a render: sentences about whether its own figures can be trusted.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace wavepath {
 
-// Why the estimate cannot be trusted, or why the error stops falling: one sentence each; empty if all is well.
-// `true_errors`: against --reference, one a checkpoint, or none.
+// Reasons why the estimate cannot be trusted or the error has stopped falling, one sentence each; empty if all is well.
+// `true_errors`: against --reference, one for each checkpoint; empty without a reference.
 std::vector<std::string> diagnose(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
                                   const std::vector<TrueError>& true_errors, const std::vector<std::string>& bias);
 
-// What may find by design the bright samples that a render with these settings finds by chance: a clause.
+// Advice, as a clause: a way to sample by design the bright light that these settings find only by chance.
 std::string firefly_remedy(const RenderPlan& settings, const PackedScene& scene);
 
-// Whether the estimated error says how wrong the picture is: enough samples, all finite, none that outweighs the rest.
+// True if the estimated error can be trusted: there are enough samples, all are finite, and none outweighs the rest.
 bool is_trusted(const RenderResult& result);
 
 } // namespace wavepath

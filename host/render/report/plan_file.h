@@ -1,4 +1,4 @@
-// The plan of an earlier render, from a file that holds one.
+// Reads the plan of an earlier render from a file.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace wavepath {
 
-// From a picture (.exr), a state of --checkpoint, or a stats document (.json). Throws Error where there is none.
+// Reads the plan from a picture (.exr), a state of --checkpoint, or a stats document (.json). Throws Error if the file
+// has none.
 PlanRecord read_plan(const std::string& path);
 
 } // namespace wavepath

@@ -16,7 +16,7 @@
 
 namespace wavepath {
 
-// An execution of `wavepath render`. The references must stay valid while the document is made.
+// An execution of `wavepath render`, the input of the stats document. The references must stay valid while it is made.
 struct Run {
   std::string scene, command;
   const DeviceInfo& device;
@@ -26,14 +26,14 @@ struct Run {
   double load_seconds = 0.0, write_seconds = 0.0;
   double total_seconds = 0.0; // from the start of the process
   std::uint64_t peak_bytes = 0;
-  std::string kernel_cache{};                // what PipelineCache::describe() says
-  std::vector<TrueError> true_errors{};      // one a checkpoint, or none
-  std::optional<TrueError> denoised_error{}; // of the filtered picture
+  std::string kernel_cache{};                // text of PipelineCache::describe()
+  std::vector<TrueError> true_errors{};      // one for each checkpoint; empty without a reference
+  std::optional<TrueError> denoised_error{}; // of the filtered picture; empty without one
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
-  std::vector<Decision> plan{};              // with what came of it
-  std::string repeat{};                      // a command that renders the same bits; empty = there is none
-  const MultiDeviceResult* shared = nullptr; // of --devices
+  std::vector<Decision> plan{};              // decisions with their outcomes (add_outcomes())
+  std::string repeat{};                      // command that renders the same bits; empty if there is none
+  const MultiDeviceResult* shared = nullptr; // result of --devices; null on one device
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.
@@ -41,10 +41,10 @@ nlohmann::ordered_json bvh_json(const PackedScene& packed);
 
 nlohmann::ordered_json stats_document(const Run& run);
 
-// Text of a document, indented; bytes that are no UTF-8 (file names) are replaced rather than refused.
+// Text of a document, indented. Bytes that are no UTF-8, as in file names, are replaced.
 std::string to_text(const nlohmann::ordered_json& document);
 
-// The estimated relative RMS error, once enough samples exist to estimate it.
+// The estimated relative RMS error; empty if there are too few samples.
 std::optional<double> estimated_error(const RenderResult& result);
 
 } // namespace wavepath

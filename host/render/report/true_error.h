@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-// Of the final picture, against --reference.
+// Error of a picture against --reference.
 struct TrueError {
   PictureMetrics metrics;
   double flip = 0.0; // mean

@@ -1,6 +1,5 @@
-// What the alpha of MASK and BLEND surfaces does to rays, triangle by triangle, from bounds over all texels that
-// look-ups on a triangle can meet. Where no texel lets rays through, traversal need not ask; where all do, it need not
-// know.
+// Classifies triangles of MASK and BLEND surfaces by bounds of alpha over all texels that look-ups on them can read. If
+// no texel lets rays through, traversal need not look alpha up; if all do, the triangle is left out.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +13,11 @@
 
 namespace wavepath {
 
-// Bits: a surface that is partly a hole is both.
+// Kinds of coverage; bits. A surface that is partly a hole is both.
 enum class Coverage : std::uint8_t { none = 0, opaque = 1, hole = 2, mixed = 3 };
 
-// Smallest and largest alpha of squares of 2, 4, ... texels of an image, up to the whole: a quadtree, whose leaves are
-// the texels. Values are bytes; those of an image of floats are rounded outwards.
+// Smallest and largest alpha over squares of 2, 4, ... texels of an image: a quadtree, whose leaves are the texels.
+// Values are bytes; those of a float image are rounded outwards.
 class AlphaPyramid {
 public:
   struct Range {
@@ -27,33 +26,33 @@ public:
 
   explicit AlphaPyramid(const Image& image);
 
-  glm::uvec2 size() const { return sizes_.front(); }                                  // texels
-  glm::uvec2 size(std::uint32_t level) const { return sizes_[level]; }                // squares of that level
+  glm::uvec2 size() const { return sizes_.front(); }                                  // size in texels
+  glm::uvec2 size(std::uint32_t level) const { return sizes_[level]; }                // number of squares of that level
   std::uint32_t top() const { return static_cast<std::uint32_t>(sizes_.size() - 1); } // level of one square
   Range at(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
   Range whole() const { return at(top(), 0, 0); }
 
 private:
   const Image* image_;
-  std::vector<glm::uvec2> sizes_;          // by level
-  std::vector<std::vector<Range>> levels_; // from level 1, row by row
+  std::vector<glm::uvec2> sizes_;          // one for each level
+  std::vector<std::vector<Range>> levels_; // from level 1 on, row by row
 };
 
 class AlphaCoverage {
 public:
-  // Reads the base colours of the MASK and BLEND materials in use. `scene` is to outlive it.
+  // Reads the base colour textures of all used MASK and BLEND materials. `scene` must outlive this object.
   AlphaCoverage(const Scene& scene, const Usage& usage);
 
-  // Of all that the material can show on a mesh, as far as the whole image and all vertices tell. Never a hole of
-  // BLEND: that is mixed, like what may be a hole.
+  // Coverage of a mesh with this material, from the whole image and all vertices. BLEND is never `hole`, but `mixed`.
   Coverage of_mesh(const Mesh& mesh, const Material& material) const;
 
-  // Of the triangle whose indices start at `first_index`. Conservative: opaque or a hole only if all texels that
-  // look-ups there can read say so, whatever wrap mode, filter, texture transform and the rounding of coordinates.
+  // Coverage of the triangle whose indices start at `first_index`. It is conservative: `opaque` or `hole` only if all
+  // texels that look-ups can read say so, whatever the wrap mode, filter, texture transform and rounding of
+  // coordinates.
   Coverage of_triangle(const Mesh& mesh, const Material& material, std::uint32_t first_index) const;
 
 private:
-  std::vector<std::optional<AlphaPyramid>> images_; // by image; none where nothing asks
+  std::vector<std::optional<AlphaPyramid>> images_; // one for each image; empty if not needed
 };
 
 } // namespace wavepath

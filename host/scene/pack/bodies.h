@@ -1,5 +1,5 @@
-// Bodies: closed volumes that light passes through (KHR_materials_volume). Which of them overlap, which counts where
-// they do, and which hold the eye or a lamp. See kernels/path/bodies.glsl.
+// Bodies: closed volumes that light passes through (KHR_materials_volume). Finds those that overlap, their priorities,
+// and those that hold the eye or a lamp. See kernels/path/bodies.glsl.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,22 @@
 
 namespace wavepath {
 
-// Whether light may be in a body of the material.
+// True if a closed surface of the material is a body.
 bool is_body(const Material& material);
 
-// Whether the boxes of any two bodies of the scene meet. False for scenes of 65535 materials and more.
+// True if the boxes of any two bodies intersect. False for scenes of 65,535 materials or more.
 bool bodies_overlap(const Scene& scene);
 
-// By material of the scene, 0 for those that are no body: 1 and up. Of bodies that overlap, the one of the higher
-// priority counts: that in the smaller box (ties: the later material), so that a bubble in glass is a bubble, and water
-// that reaches into the wall of its glass is water there, from both sides.
+// Priorities for each material of the scene: 1 and up, 0 if it is no body. Where bodies overlap, the one of higher
+// priority counts: that with the smaller box, or the later material if equal. So a bubble in glass is a bubble, and
+// water that reaches into the wall of its glass is water there, from both sides.
 std::vector<std::uint32_t> body_priorities(const Scene& scene);
 
-// Materials of the bodies that hold a point of the device's world, by falling priority; by counting surfaces along
-// three rays. A body with holes holds what two of them say.
+// Materials of the bodies that hold a point of the device's world, by falling priority. Counts surfaces along three
+// rays; for a body with holes, two of the three decide.
 std::vector<std::uint32_t> bodies_at(const PackedScene& scene, const glm::dvec3& point);
 
-// Whether the box of a body of the device's world holds a lamp, or a part of one. Suns and skies are outside all
-// bodies.
+// True if the box of a body holds a lamp or a part of one. Suns and skies are outside of all bodies.
 bool lamps_in_bodies(const PackedScene& scene);
 
 } // namespace wavepath

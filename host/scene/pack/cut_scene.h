@@ -1,5 +1,4 @@
-// Which positions of an object are near enough for its triangles to be huge beside them, and how many pieces a scene
-// gets.
+// Finds the positions near which an object's triangles are huge, and the number of pieces that a scene gets.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +13,15 @@
 
 namespace wavepath {
 
-// `near`, which is in world space, as the instances of a mesh that is shown more than once see it, in the space of the
-// mesh: those of the nearest instances that may find it huge.
+// Transforms `near`, in world space, into the space of a mesh with several instances. Only the nearest instances that
+// may find it huge are used.
 std::vector<glm::dvec3> near_instances(const Scene& scene, std::uint32_t mesh, std::span<const glm::dvec3> near);
 
-// Pieces less the triangles that they replace, each mesh once. pack() cuts a little differently, around its origin.
+// Numbers of cut triangles and of their pieces, each mesh once. pack() may cut slightly differently, since it cuts
+// around its origin.
 struct CutSize {
   std::uint64_t triangles = 0, pieces = 0;
-  std::uint64_t shining = 0; // pieces less triangles of materials that shine, instances counted
+  std::uint64_t shining = 0; // pieces minus triangles of emissive materials, in all instances
 };
 CutSize count_pieces(const Scene& scene, const Usage& usage, std::span<const glm::dvec3> near);
 

@@ -1,4 +1,4 @@
-// Emission of each triangle and its parts, which light selection is weighted with.
+// Emission of each triangle and its parts, by which light selection is weighted.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,29 @@ namespace wavepath {
 
 struct Object; // of geometry.h
 
-// Of a triangle's 4^depth cells (kernels/light/light_sampling.glsl), those from the end of the part before to `end`.
+// A part of a triangle: of its 4^depth cells (kernels/light/light_sampling.glsl), those from the end of the previous
+// part to `end`.
 struct EmissionPart {
   std::uint32_t end = 0;
   double density = 0.0; // pi times the root-mean-square of the luminance, twice that if both sides emit
 };
 
-// Points that are picked in proportion to the root-mean-square of each part have the least variance that one density a
-// part can have; where a part is even, it is its mean, so that the density is power per area.
+// Emission of all triangles. Points picked in proportion to each part's root mean square have the least variance that
+// one density for each part can have. If a part is even, that is its mean, and the density is power per area.
 struct Emission {
-  // By triangle of packed.triangles: the first of its parts, and log4 of the cells that it is cut into.
+  // For each triangle of packed.triangles: index of its first part, and log4 of its number of cells.
   std::vector<std::uint64_t> firsts; // kDark for triangles that emit nothing
   std::vector<std::uint8_t> depths;
-  std::vector<EmissionPart> parts; // of a triangle until its cells end
+  std::vector<EmissionPart> parts; // parts of a triangle are consecutive
   static constexpr std::uint64_t kDark = ~std::uint64_t{0};
 
   bool empty() const { return parts.empty(); }
   std::span<const EmissionPart> parts_of(std::size_t triangle) const;
 };
 
-// Triangles are cut where their emission texture varies, down to an eighth of a texel where much of the light comes
-// from; all copies of a triangle alike. The density of a part is zero exactly where no look-up within it can yield
-// light, and on unlit triangles. Empty if no triangle emits.
+// Finds the emission; empty if no triangle emits. Triangles are cut where their emission texture varies, down to an
+// eighth of a texel where much of the light comes from; all copies of a triangle are cut alike. The density of a part
+// is 0 if and only if no look-up within it can return light, and on unlit triangles.
 Emission find_emission(const PackedScene& packed, std::span<const Object> objects);
 
 } // namespace wavepath

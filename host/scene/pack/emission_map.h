@@ -1,4 +1,5 @@
-// What an emission texture shines like: at a point, filtered as kernels/surface/texture.glsl filters, and over regions.
+// Emission texture of a material: its value at a point, filtered as in kernels/surface/texture.glsl, and its moments
+// over regions.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +11,10 @@
 
 namespace wavepath {
 
-// Rec. 709.
+// Luminance with the weights of Rec. 709.
 inline double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
-// Of an emission over something: its mean and the root of the mean of its squares.
+// Mean and root mean square of an emission over a region.
 struct EmissionMoments {
   double mean = 0.0, rms = 0.0;
 };
@@ -22,9 +23,9 @@ struct EmissionMoments {
 // size.
 struct EmissionMap {
   gpu::Texture texture;
-  std::vector<float> luminance;        // by texel
+  std::vector<float> luminance;        // of each texel
   std::vector<std::uint32_t> lit_sums; // summed-area table of lit texels, (width + 1) x (height + 1)
-  // Those of luminance and its square over blocks of texels, (columns + 1) x (rows + 1).
+  // Summed-area table of luminance and its square over blocks of texels, (columns + 1) x (rows + 1).
   std::uint32_t columns = 0, rows = 0;
   std::vector<glm::dvec2> block_sums;
   EmissionMoments whole;
@@ -34,15 +35,15 @@ EmissionMap build_emission_map(const PackedScene& packed, const gpu::Material& m
 
 glm::dvec2 emission_uv(const gpu::Texture& texture, const glm::vec4& uvs); // `uvs`: a vertex of packed.vertex_uvs
 
-// False where positions are so far out that floats do not tell texels apart.
+// False if a position is so large that floats cannot tell neighbouring texels apart.
 bool is_near(const EmissionMap& map, const glm::dvec2& uv);
 
 double filtered_emission(const EmissionMap& map, const glm::dvec2& uv);
 
-// Whether a look-up anywhere in the box may yield more than 0: whether a texel is lit that filtering can reach.
+// True if a look-up anywhere in the box may return more than 0: a lit texel is within reach of the filter.
 bool shines_within(const EmissionMap& map, const glm::dvec2& lo, const glm::dvec2& hi);
 
-// Over the blocks that filtering can reach from anywhere in the box.
+// Moments over all blocks within reach of the filter from anywhere in the box.
 EmissionMoments block_moments(const EmissionMap& map, const glm::dvec2& lo, const glm::dvec2& hi);
 
 } // namespace wavepath

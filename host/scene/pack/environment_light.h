@@ -17,9 +17,9 @@ namespace wavepath {
 // the sphere.
 double pack_environment(const Environment& environment, std::uint32_t direct, PackedScene& packed);
 
-// PackedScene::environment_ends for texels with these weights, row by row; empty if they sum to zero.
+// PackedScene::environment_ends for texels with these weights, row by row; empty if they sum to 0.
 std::vector<std::uint32_t> environment_intervals(std::span<const double> weights, std::size_t width,
                                                  std::size_t height);
-std::uint64_t environment_interval_words(std::uint64_t width, std::uint64_t height); // that it has
+std::uint64_t environment_interval_words(std::uint64_t width, std::uint64_t height); // number of its words
 
 } // namespace wavepath

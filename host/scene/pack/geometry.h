@@ -16,22 +16,23 @@
 
 namespace wavepath {
 
-// The cut of an object's parts, and where its pieces stand among those of all objects.
+// The cut of an object's parts, and the positions of its pieces among those of all objects.
 struct PlacedCut {
   Cut cut;
   std::uint32_t first_piece = 0;
-  std::uint32_t first_vertex = 0; // in the vertex streams, of the first piece of all; a piece has three of its own
+  // First vertex of the first piece of all objects; a piece has three vertices of its own.
+  std::uint32_t first_vertex = 0;
 };
 
 // A tree of triangles inside PackedScene::nodes and ::triangles.
 struct Object {
-  std::uint32_t first_item = 0, item_count = 0; // in PackedScene::triangles, copies included
-  std::uint32_t triangle_count = 0;             // pieces count
-  std::uint32_t source_count = 0;               // those that pieces were cut from count once
-  std::uint32_t root = 0;                       // node of PackedScene::nodes
-  std::uint32_t depth = 0;                      // nodes on the longest path from there
+  std::uint32_t first_item = 0, item_count = 0; // range in PackedScene::triangles, copies included
+  std::uint32_t triangle_count = 0;             // triangles, with pieces instead of cut triangles
+  std::uint32_t source_count = 0;               // triangles before cutting
+  std::uint32_t root = 0;                       // index in PackedScene::nodes
+  std::uint32_t depth = 0;                      // nodes on the longest path from the root
   double sah_cost = 0.0;                        // see bvh::Measure
-  glm::vec3 lo{0.0f}, hi{0.0f};                 // around its boxes in the tree, in its own space; 0 if it is empty
+  glm::vec3 lo{0.0f}, hi{0.0f};                 // bounds of its boxes in the tree, in its own space; 0 if it is empty
 };
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if

@@ -17,9 +17,9 @@ struct Placement {
   glm::dmat4 device_from_object{1.0};
 };
 
-// Appends the tree over `placements` to packed.nodes and fills packed.instances in its leaf order; sets root,
-// root_is_top and stack_size. Returns by instance: its object. Placements of empty objects are skipped, those that
-// float matrices cannot hold are skipped and counted in `skipped`.
+// Appends the tree over `placements` to packed.nodes and fills packed.instances in leaf order; sets root, root_is_top
+// and stack_size. Returns the object of each instance. Skips placements of empty objects, and those that float matrices
+// cannot hold, which are counted in `skipped`.
 std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::span<const Placement> placements,
                                           PackedScene& packed, std::size_t& skipped);
 

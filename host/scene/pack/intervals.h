@@ -7,19 +7,19 @@
 
 namespace wavepath {
 
-// Ends of the intervals, in the order of the weights: u picks the first entry with u < end. The last one ends at
-// 2^32 - 1, where u is at most 2^32 - 2. An entry of weight zero has an empty interval and is never picked; every other
-// one has at least one integer. `weights`: finite, none negative, fewer than 2^31. Empty if they sum to zero.
+// Ends of the intervals, in the order of the weights: u picks the first entry with u < end. The last interval ends at
+// 2^32 - 1, and u is at most 2^32 - 2. An entry of weight 0 has an empty interval and is never picked; every other
+// entry has at least one integer. `weights`: fewer than 2^31, finite, not negative. Empty if they sum to 0.
 std::vector<std::uint32_t> build_intervals(std::span<const double> weights);
 
-// Where the search for the entry that u picks begins: a table of cut points (Chen and Asau, "On Generating Random
-// Variates from an Empirical Distribution", AIIE Transactions 6, 1974). Integers that agree in their top bits share a
-// word: the first entry that they pick in its lower half, the last in its upper half, both without the bits for which
-// 65,536 entries and more leave no room. `ends`: as build_intervals() makes them, at least one.
+// Table of cut points, where the search for an entry begins (Chen and Asau, "On Generating Random Variates from an
+// Empirical Distribution", AIIE Transactions 6, 1974). Integers with the same top bits have one word: its lower half is
+// the first entry that they pick, its upper half the last. With 65,536 entries or more, low bits of both are dropped.
+// `ends`: result of build_intervals(), not empty.
 std::vector<std::uint32_t> cut_intervals(std::span<const std::uint32_t> ends);
-std::size_t cut_count(std::size_t entries); // words of it: a power of two
+std::size_t cut_count(std::size_t entries); // words of that table: a power of two
 
-// Of picking entry i: exactly its fraction of the integers.
+// Probability of picking entry i: exactly its fraction of the integers.
 double interval_probability(std::span<const std::uint32_t> ends, std::size_t i);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Materials in use as the kernels read them, and the flags of their triangles that traversal reads.
+// Packs the used materials for kernels, and finds the flags of their triangles that traversal reads.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@ namespace wavepath {
 struct MaterialTable {
   std::vector<gpu::Material> materials;
   std::vector<gpu::MaterialLayers> layers;
-  std::vector<std::uint32_t> packed_index; // by scene material; kNoIndex where unused
+  std::vector<std::uint32_t> packed_index; // for each material of the scene; kNoIndex if unused
   TextureTable textures;
 };
 
-// Texture indices point into the table's own textures; no texel is touched. `mips`: textures get mip levels.
-// `samplers`: those of the device are to look up textures.
+// Packs the materials. Texture indices refer to the table's own textures; no texel is touched. `mips`: textures get mip
+// levels. `samplers`: limits of the device's samplers if they look textures up.
 MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips = false,
                              const std::optional<SamplerLimits>& samplers = {});
 
-// The kLobe bits of what the material has beyond metallic-roughness.
+// The kLobe bits of the material, for everything beyond metallic-roughness.
 gpu::Feature layer_lobes(const Material& material);
 
-// Whether the surface is a thin smooth pane (is_pane() of kernels/surface/bsdf.glsl), at some texels at least.
+// True if the surface is a thin smooth pane (is_pane() of kernels/surface/bsdf.glsl) at some texels.
 bool may_be_pane(const Material& material);
-// Whether it is the wall of a body that does not bend light (is_unbending_wall()).
+// True if it is the wall of a body that does not bend light (is_unbending_wall()).
 bool may_be_wall(const Material& material);
 
 // The kTriangle flags of each primitive of a mesh. A MASK or BLEND surface whose alpha can never let a ray through, by

@@ -8,22 +8,22 @@
 
 namespace wavepath {
 
-// How the texels of a chain of levels are averaged and stored. Normal maps need nothing of their own: their texels are
-// averaged as vectors, and stay as short as that makes them, because look-ups blend texels before they normalize and
-// short vectors, whose normals spread, are to weigh less in a blend.
+// Rules for averaging and storing the levels. Normal maps need no rule: their texels are averaged as vectors, and stay
+// as short as that makes them. Look-ups blend texels before they normalize, so short vectors, whose normals spread,
+// weigh less.
 struct MipKind {
-  bool srgb = false;   // RGB are sRGB-encoded: averaged as light, stored in the form that the image is stored in
-  bool covers = false; // alpha is coverage, so that colours weigh by it and what is see-through does not bleed
+  bool srgb = false;   // RGB are sRGB-encoded: they are averaged as light, and stored as the image is
+  bool covers = false; // alpha is coverage: colours are weighted by it, so that invisible texels do not bleed
 
   bool operator==(const MipKind&) const = default;
 };
 
-// Levels besides the image itself, their texels, and the words that they take in the texel buffer.
+// Number of levels besides the image itself, number of their texels, and words that they take in the texel buffer.
 std::uint32_t mip_count(std::uint32_t width, std::uint32_t height);
 std::uint64_t mip_texels(std::uint32_t width, std::uint32_t height);
 std::uint64_t mip_words(const Image& image);
 
-// Writes all levels, one after the other, as kernels/surface/texture.glsl finds them.
+// Writes all levels, one after the other, in the layout of kernels/surface/texture.glsl.
 void store_mips(const Image& image, MipKind kind, std::uint32_t* words);
 
 } // namespace wavepath

@@ -7,7 +7,8 @@
 
 namespace wavepath {
 
-// Adds warnings to scene.warnings: about dropped triangles and instances, and textures that samplers cannot look up.
+// Packs a scene. Adds warnings to scene.warnings about dropped triangles and instances, and about textures that
+// samplers cannot look up.
 PackedScene pack(Scene& scene, const Packing& packing = {});
 
 } // namespace wavepath

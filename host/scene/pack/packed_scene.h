@@ -18,19 +18,20 @@ namespace wavepath {
 // A feature or an array that this scene does not need.
 struct LeftOut {
   std::string what, why;
-  std::uint64_t bytes = 0;  // that it would have cost on the device
-  gpu::Feature feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
+  std::uint64_t bytes = 0;  // device memory that was saved
+  gpu::Feature feature = 0; // kFeature bit of the code that was left out; 0 = data only
 };
 
-// A run of PackedScene::triangles, drawn once for each of a run of PackedScene::instances.
+// A range of PackedScene::triangles, drawn once for each of a range of PackedScene::instances.
 struct Draw {
   std::uint32_t first_triangle = 0, triangle_count = 0; // copies of spatial splits included
-  std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 where the scene has no instances
+  std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 if the scene has no instances
 };
 
 // Triangles of MASK and BLEND surfaces whose images let rays through somewhere; copies and instances do not count.
 struct AlphaCounts {
-  std::uint64_t asked = 0, opaque = 0, holes = 0; // looked up by rays; and those that rays need not look up
+  // Triangles that rays must look up; opaque ones and holes, which they need not.
+  std::uint64_t asked = 0, opaque = 0, holes = 0;
 
   std::uint64_t total() const { return asked + opaque + holes; }
   AlphaCounts& operator+=(const AlphaCounts& other) {
@@ -55,14 +56,13 @@ struct PackedScene {
   bool root_is_top = false;
   std::uint32_t stack_size = 0; // an upper bound on the traversal stack's entries
   std::vector<gpu::Triangle> triangles;
-  // By triangle, in place of its corners how far these move while the shutter is open; empty in a scene where nothing
-  // moves.
+  // Displacements of the corners of each triangle while the shutter is open; empty if nothing moves.
   std::vector<gpu::Triangle> motions;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
-  std::vector<Draw> draws;              // together, every triangle that can be seen
+  std::vector<Draw> draws;              // together they draw every visible triangle
 
-  // Empty where no surface of the scene needs them (see the kFeature bits).
-  std::vector<glm::uvec4> triangle_vertices; // there too where triangles were cut
+  // Empty if no surface of the scene needs them (see the kFeature bits).
+  std::vector<glm::uvec4> triangle_vertices; // also present if triangles were cut
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
   std::uint32_t layer_tangents =
       0;                         // vertices from one's normal to its tangents of layers that have their own; 0 = none

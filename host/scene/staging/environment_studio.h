@@ -5,9 +5,9 @@
 
 namespace wavepath {
 
-// For a subject that looks along +Z: a key light from the front left, a weak fill from the right, a box overhead, two
-// strips behind that draw the edges; a light backdrop that glows behind the subject, and darkness where the camera
-// stands. A white matte floor under it has radiance 1.
+// Makes the studio, for a subject that looks along +Z. It has a key light from the front left, a weak fill from the
+// right, a box overhead, two strips behind that draw the edges, and a light backdrop that glows behind the subject. It
+// is dark where the camera stands. A white matte floor has radiance 1.
 Environment studio_environment();
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Basis for the framing of a scene without a camera: the outline of its geometry, and where one can stand inside.
+// Outline of a scene, by which a camera is placed if the scene has none; and a standpoint in an interior.
 #pragma once
 
 #include <optional>
@@ -14,23 +14,24 @@ namespace wavepath {
 
 struct Framing {
   Bounds bounds;
-  // Convex hulls of the vertices as the framing camera projects them: along its right and its up vector, each with the
-  // depth along its forward vector; relative to the middle of the bounds.
+  // Convex hulls of the vertices as the framing camera projects them: (right, forward) and (up, forward) coordinates,
+  // relative to the centre of the bounds.
   std::vector<glm::dvec2> across, upwards;
-  std::optional<Standpoint> inside; // of an interior
+  std::optional<Standpoint> inside; // only for an interior
 };
 
-// Reads geometry, not images. `look_inside`: whether to find out if it is an interior, which builds a BVH.
+// Finds the framing; reads no images. `look_inside`: also tests whether the scene is an interior, which builds a BVH.
 Framing find_framing(const Scene& scene, bool look_inside = true);
 
-// The camera of a framing looks this way: at the front (+Z, as glTF has it) and its right side, from a little above.
+// Direction in which the framing camera looks: at the front (+Z, as glTF has it) and the right side, from a little
+// above.
 glm::dvec3 framing_forward();
 
 // Fraction of the picture's height or width, whichever is less, that the outline fills.
 inline constexpr double kFramedFraction = 0.85;
 
-// The eye from which a camera that looks along framing_forward(), with these half extents of the image at unit
-// distance, has the outline in its middle and filling kFramedFraction.
+// Position of a camera that looks along framing_forward() and has the outline in the middle of its picture, filling
+// kFramedFraction. `half_width`, `half_height`: half extents of the image at unit distance.
 glm::dvec3 framing_eye(const Framing& framing, double half_width, double half_height);
 
 } // namespace wavepath

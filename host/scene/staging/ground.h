@@ -1,4 +1,4 @@
-// The floor under an asset that catches its shadow.
+// A floor under an asset, which catches its shadow.
 #pragma once
 
 #include "host/scene/bounds.h"
@@ -6,13 +6,13 @@
 
 namespace wavepath {
 
-// Appends a matte disc at the lowest point of `bounds`, several times as wide as they are, which fades out towards its
-// rim. Its albedo is such that where nothing shades it, it looks as the environment does a little below the horizon, in
-// the direction of framing_forward(): so it vanishes before an even backdrop, and what is seen of it is the shadow and
-// the light that the asset casts. A surface as any other, for every integrator.
+// Appends a matte disc at the lowest point of `bounds`, several times as wide, which fades out towards its rim. Its
+// albedo is chosen so that, unshadowed, it looks like the environment a little below the horizon in the direction of
+// framing_forward(). So it is invisible before an even backdrop, except for the shadow and the light that the asset
+// casts. It is an ordinary surface for every integrator.
 void add_ground(Scene& scene, const Bounds& bounds);
 
-// Fits the albedo to another environment of a scene that add_ground() was the last to add to.
+// Adapts the albedo to another environment. add_ground() must have been the last to add to the scene.
 void relight_ground(Scene& scene);
 
 } // namespace wavepath

@@ -13,13 +13,15 @@ namespace wavepath {
 // A position of the camera in an interior, and the point that it looks at.
 struct Standpoint {
   glm::dvec3 eye{0.0}, target{0.0, 0.0, -1.0};
-  std::optional<glm::dvec3> lamp; // of an interior that no light from outside reaches: a position under its ceiling
-  double lamp_height = 0.0;       // of that, over the floor
+  // Position under the ceiling, for a lamp; only if no light from outside reaches the interior.
+  std::optional<glm::dvec3> lamp;
+  double lamp_height = 0.0; // height of `lamp` over the floor, metres
 };
 
-// An interior is what surrounds its middle: from most points in its box, rays nearly all round meet surfaces that face
-// them. (Inside an object they meet its back.) Glass and what is blended count as openings. The camera then stands at
-// eye height where it has the longest free way before it, and looks along it. Depends on the scene alone.
+// Finds a standpoint; empty if the scene is no interior. In an interior, rays from most points of its box meet front
+// faces in nearly all directions; inside an object they meet back faces. Glass and blended surfaces count as openings.
+// The standpoint is at eye height where the free way ahead is longest, and the camera looks along it. Depends on the
+// scene alone.
 std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& bounds);
 
 } // namespace wavepath

@@ -12,13 +12,13 @@
 
 namespace wavepath {
 
-// World space, double precision. A camera ray through image position (x, y) in [-1,1], y upwards: perspective:
-// direction forward + x*right + y*up from position; orthographic: direction forward from position + x*right + y*up.
+// A resolved camera, in world space. The ray through image position (x, y) in [-1,1], y upwards. Perspective: from
+// position in direction forward + x*right + y*up. Orthographic: from position + x*right + y*up in direction forward.
 struct View {
   bool orthographic = false;
   glm::dvec3 position{0.0};
   glm::dvec3 forward{0.0, 0.0, -1.0}; // unit length
-  glm::dvec3 right{1.0, 0.0, 0.0};    // carries the half extent of the image at unit distance (or in metres)
+  glm::dvec3 right{1.0, 0.0, 0.0};    // half extent of the image at unit distance; orthographic: in metres
   glm::dvec3 up{0.0, 1.0, 0.0};
 };
 
