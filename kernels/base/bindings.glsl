@@ -1,5 +1,5 @@
-// What every kernel of a render can read: the constants of the render, the wave, the scene. A kernel asks for each
-// group by a macro before the include, so that it declares only what it uses.
+// Bindings that every kernel of a render may read: the constants of the render, the wave, the scene. A kernel asks for
+// each group by a macro before the include, so that it declares only what it uses.
 #ifndef WAVEPATH_BINDINGS_GLSL
 #define WAVEPATH_BINDINGS_GLSL
 

@@ -36,7 +36,7 @@ vec2 sample_aperture(vec2 u) {
   return sqrt(u.y) * mix(first, second, fraction);
 }
 
-// From the middle of the lens.
+// A position on the lens, relative to its middle, in metres.
 vec3 sample_lens(vec2 u) {
   vec2 position = frame.lens_radius * sample_aperture(u);
   return position.x * normalize(frame.camera_right) + position.y * normalize(frame.camera_up);
@@ -48,7 +48,8 @@ void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 d
   camera_ray(position, origin, direction);
   if (kLens == kLensPinhole) return;
   vec3 lens = sample_lens(sample_2d(path_sampler, kDimensionLens));
-  float along = dot(direction, frame.camera_forward); // of the ray through the middle
+  float along = dot(direction, frame.camera_forward); // distance along the view axis, for each unit of the ray through
+                                                      // the middle of the lens
   direction = normalize(direction * (frame.focus_distance / along) - lens);
   origin += lens;
 }

@@ -26,13 +26,13 @@ layout(constant_id = kSpecReuse) const uint kReuse = kReuseNone;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kInStep = kWalk == kWalkInStep;
-// Whether there are rays that single-sided surfaces let pass from behind, and whether only those of the camera are.
+// True if single-sided surfaces let some rays pass from behind; and if these are camera rays only.
 #define CULLS_BACKS (has(kFeatureCull) && kCull != kCullNone)
 #define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)
 // Macros, so that conditions are constants before anything is inlined: see host/gpu/trim_spirv.h.
 #define has(feature) ((kFeatures & (feature)) != 0u)
 #define has_lobe(lobe) ((kLobes & (lobe)) != 0u)
-// Whether some surface is more than diffuse.
+// True if some surface is more than diffuse.
 const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
 bool has_mips() { return has_lobe(kFeatureMips); }
 

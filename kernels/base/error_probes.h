@@ -1,4 +1,4 @@
-// Error probes: which pixel of every block has a second replicate of its samples. Compiled by kernels and host alike.
+// Error probes: one pixel of every block has a second replicate of its samples. Compiled by kernels and host alike.
 //
 // A replicate is a stream of samples that is scrambled independently of others. The difference of two replicates of a
 // pixel measures its error. But one replicate of all samples has less error than two of half the samples, whose mean
@@ -33,27 +33,27 @@
 namespace wavepath::gpu {
 #endif
 
-// Which pixels have probes, as Frame and DisplayJob have it: none, since samples of every pixel are split between its
-// two replicates; one pixel of each block; one quad of each tile block.
+// Pixels that have probes (Frame::probes, DisplayJob). None: samples of every pixel are split between its two
+// replicates. Pixels: one pixel of each block. Quads: one quad of each tile block.
 GPU_CONSTANT uint kProbesNone = 0u, kProbesPixels = 1u, kProbesQuads = 2u;
 GPU_CONSTANT uint kQuadPixels = 4u;
 
-// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 probes as well, for 1.6 % more samples
-// instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
+// Side of a block in pixels. From 262,144 pixels on, larger blocks still give 4,096 probes, for 1.6 % more samples
+// instead of 6.3 %; 2,048 suffice for the error of a picture (docs/error-and-stopping.md).
 GPU_FUNCTION uint probe_block_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
-// Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
+// Number of blocks in a row, if `pixels` is the width, or in a column. The border may cut the last block.
 GPU_FUNCTION uint probe_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
 
-// A tile block is 8 or 32 pixels wide, so that it has as many pixels for each probe as a block has. Logarithm of its
-// width, and how many there are in a row.
+// Log2 of the width of a tile block, and their number in a row. A tile block is 8 or 32 pixels wide, so that it has as
+// many pixels for each probe as a block has.
 GPU_FUNCTION uint tile_block_shift(uint width, uint height) { return probe_block_side(width, height) == 4u ? 3u : 5u; }
 GPU_FUNCTION uint tile_blocks_across(uint width, uint height) {
   uint shift = tile_block_shift(width, height);
   return (width + (1u << shift) - 1u) >> shift;
 }
 
-// Its pixels, which follow each other in tile order.
+// The pixels of a tile block, consecutive in tile order.
 struct TileBlock {
   uint first;
   uint pixels;
@@ -69,7 +69,7 @@ GPU_FUNCTION TileBlock tile_block(uint index, uint width, uint height) {
   return block;
 }
 
-// Probes of the upper `rows` of the picture, which are all or end with a row of tiles.
+// Number of probes of the upper `rows` of the picture, which must be all rows or end with a row of tiles.
 GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) {
   if (probes == kProbesNone) return 0u;
   if (probes == kProbesPixels) {
@@ -81,7 +81,8 @@ GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) 
   return kQuadPixels * (blocks - 1u) + (last < kQuadPixels ? last : kQuadPixels);
 }
 
-// By quads: which pixel of its quad an entry is, in a picture of so many pixels; and how many entries that quad has.
+// For probing by quads: the rank of an entry in its quad, in a picture of so many pixels; and the number of entries of
+// that quad.
 GPU_FUNCTION uint rank_in_quad(uint entry, uint pixels) {
   return (entry < pixels ? entry : entry - pixels) & (kQuadPixels - 1u);
 }
@@ -101,21 +102,22 @@ GPU_FUNCTION uint probe_block_of(uvec2 pixel, uint width, uint height, uint prob
   return pixel.y / side * probe_blocks(width, side) + pixel.x / side;
 }
 
-// Of one word, in which every bit of it tells on every bit of the result: multiply, shift, twice.
+// Hash of one word: every input bit affects every output bit (multiply and shift, twice).
 GPU_FUNCTION uint probe_hash(uint word) {
   word = (word ^ (word >> 16u)) * 0x9e3779b1u;
   word = (word ^ (word >> 15u)) * 0x85ebca6bu;
   return word ^ (word >> 13u);
 }
 
-// The probed quad of a tile block: each complete one with the same chance. Its first pixel, in tile order.
+// First pixel, in tile order, of the probed quad of a tile block. Each complete quad has the same probability.
 GPU_FUNCTION uint probed_quad(uint index, uint width, uint height, uint seed) {
   TileBlock block = tile_block(index, width, height);
   uint random = probe_hash(index + probe_hash(seed)) >> 16u;
   return block.first + (random * (block.pixels / kQuadPixels) >> 16u) * kQuadPixels;
 }
 
-// The probed pixel of a block: each with the same chance, but for up to three of an incomplete quad.
+// The probed pixel of a block. Each pixel has the same probability, except up to three of an incomplete quad, which
+// have none.
 GPU_FUNCTION uvec2 probed_pixel(uint block, uint width, uint height, uint seed, uint probes) {
   if (probes == kProbesQuads) {
     uint first = probed_quad(block / kQuadPixels, width, height, seed);

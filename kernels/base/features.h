@@ -1,4 +1,4 @@
-// What kernels are specialized for: feature bits and settings.
+// Specialization constants of kernels: feature bits and settings.
 #ifndef WAVEPATH_FEATURES_H
 #define WAVEPATH_FEATURES_H
 
@@ -24,7 +24,7 @@ GPU_CONSTANT Feature kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triang
 GPU_CONSTANT Feature kFeatureCull = 1u << 2;      // single-sided triangles, which rays may pass from behind (kSpecCull)
 GPU_CONSTANT Feature kFeatureTextures = 1u << 3;  // any material texture
 GPU_CONSTANT Feature kFeatureTextureTransform = 1u << 4;
-GPU_CONSTANT Feature kFeatureNormalMaps = 1u << 5;    // and whatever else has tangents
+GPU_CONSTANT Feature kFeatureNormalMaps = 1u << 5;    // normal maps, and everything else that needs tangents
 GPU_CONSTANT Feature kFeatureSmoothNormals = 1u << 6; // vertex normals
 GPU_CONSTANT Feature kFeatureVertexColors = 1u << 7;
 GPU_CONSTANT Feature kFeatureSpecular = 1u << 8; // any reflection besides Lambert's
@@ -39,7 +39,7 @@ GPU_CONSTANT Feature kFeatureAovs = 1u << 16;           // extra output channels
 GPU_CONSTANT Feature kFeatureOrthographic = 1u << 17;
 GPU_CONSTANT Feature kFeatureBaseColorTextures = 1u << 18;
 GPU_CONSTANT Feature kFeatureMetallicRoughnessTextures = 1u << 19;
-GPU_CONSTANT Feature kFeatureSpecularTextures = 1u << 20; // of the specular factor or its colour
+GPU_CONSTANT Feature kFeatureSpecularTextures = 1u << 20; // for the specular factor or its colour
 GPU_CONSTANT Feature kFeatureTransmissionTextures = 1u << 21;
 GPU_CONSTANT Feature kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT Feature kFeatureFloatTextures = 1u << 23;   // texels of four floats
@@ -49,21 +49,21 @@ GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list 
 GPU_CONSTANT Feature kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
 GPU_CONSTANT Feature kFeatureLightTree = 1u << 27;  // many local lights: picked by a walk down a tree
-GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // with trained probabilities by cell of space
+GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // local lights: trained probabilities for each cell of space
 GPU_CONSTANT Feature kFeatureGuide = 1u << 29;      // directions are also drawn from a trained field
 GPU_CONSTANT Feature kFeaturePanes = 1u << 30;      // thin smooth panes, or walls, that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT Feature kFeatureTraining =
-    1u << 31; // of training passes alone: kernels record what lights, sky and guide are trained on
+    1u << 31; // training passes only: kernels record data to train lights, sky and guide
 
-// What a material may have beyond glTF's metallic-roughness model: see kernels/surface/layers.glsl.
+// Lobes of a material beyond glTF's metallic-roughness model (kernels/surface/layers.glsl).
 GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);
 GPU_CONSTANT Feature kLobeSheen = GPU_LOBE(1);
 GPU_CONSTANT Feature kLobeAnisotropy = GPU_LOBE(2);
 GPU_CONSTANT Feature kLobeIridescence = GPU_LOBE(3);
 GPU_CONSTANT Feature kLobeDiffuseTransmission = GPU_LOBE(4);
 GPU_CONSTANT Feature kLobeDispersion = GPU_LOBE(5);
-GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // in volumes
+GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // scattering in volumes
 GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
 GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
@@ -75,12 +75,13 @@ GPU_CONSTANT Feature kFeatureTexelPages16 = GPU_LOBE(12); // more than four
 GPU_CONSTANT Feature kFeatureTexelPages = GPU_LOBE(13) - GPU_LOBE(10);
 GPU_CONSTANT Feature kFeatureSampledTextures =
     GPU_LOBE(13); // the device's samplers look textures up; kernels without this bit have other bindings
-GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14); // but beside these there are some that they do not
+// Some textures are looked up by kernels although kFeatureSampledTextures is set.
+GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14);
 GPU_CONSTANT Feature kFeatureLearnedSky =
     GPU_LOBE(15); // parts of the environment map are picked with trained probabilities
 GPU_CONSTANT Feature kFeatureWalls =
     GPU_LOBE(16); // bodies of ior 1, whose walls shadow rays pass; beside kFeaturePanes
-GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
+GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -93,11 +94,11 @@ GPU_CONSTANT uint kSpecWalk = 6u;    // how lanes walk through the BVH; changes 
 GPU_CONSTANT uint kSpecProbing = 7u; // whether pictures may have error probes; gpu::Frame says whether they have
 GPU_CONSTANT uint kSpecLobes = 8u;   // kLobe bits
 GPU_CONSTANT uint kSpecLens = 9u;    // shape of the camera's aperture: kLensPinhole, kLensDisc, or a number of blades
-GPU_CONSTANT uint kSpecCull = 10u;   // which rays single-sided surfaces let pass from behind (kFeatureCull)
+GPU_CONSTANT uint kSpecCull = 10u;   // rays that pass single-sided surfaces from behind (kFeatureCull)
 GPU_CONSTANT uint kSpecMotion = 11u; // 1: corners of triangles move while the shutter is open (gpu::Frame)
-GPU_CONSTANT uint kSpecTerminator = 12u;   // where rays leave surfaces with vertex normals
-GPU_CONSTANT uint kSpecSort = 13u;         // which of its rays extend puts in order for the kernels that follow
-GPU_CONSTANT uint kSpecLightSamples = 14u; // of a path where it first scatters; 1 to kMostLightSamples
+GPU_CONSTANT uint kSpecTerminator = 12u;   // start of rays at surfaces with vertex normals
+GPU_CONSTANT uint kSpecSort = 13u;         // lists that extend makes for the next kernels: hits, escaped rays
+GPU_CONSTANT uint kSpecLightSamples = 14u; // light samples where a path first scatters; 1 to kMostLightSamples
 GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
 GPU_CONSTANT uint kSpecLaneRays = 16u; // rays that a lane takes from a queue at most (trace_queue.glsl); at least 1
 GPU_CONSTANT uint kSpecReuse = 17u;    // whether pixels may share paths; gpu::Frame says whether they do
@@ -109,7 +110,7 @@ GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
 GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
 GPU_CONSTANT uint kProbingOff = 0u, kProbingOn = 1u; // see kernels/base/error_probes.h
 GPU_CONSTANT uint kWalkByLane = 0u, kWalkInStep = 1u;
-GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular polygon of so many corners
+GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: number of corners of a regular polygon
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;
 GPU_CONSTANT uint kSortNone = 0u, kSortHits = 1u, kSortEscapes = 2u; // escapes besides hits

@@ -12,7 +12,7 @@
 #include "kernels/base/config.glsl"
 #include "kernels/base/math.glsl"
 
-const float kFilterRadius = 1.5; // of the two bells
+const float kFilterRadius = 1.5; // of gaussian and blackman-harris
 
 // -ln(1 - (1 - gap) v^2), stretched to [-1, 1]; 1 - v^2 is formed as a product because it cancels at the ends.
 vec2 bell_argument(vec2 v, float gap, float stretch) {

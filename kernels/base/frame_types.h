@@ -1,4 +1,4 @@
-// One render as all kernels see it: the camera and settings, a wave of samples, rays and hits.
+// Constants and records that all kernels use: the camera and settings of a render, a wave of samples, rays and hits.
 #ifndef WAVEPATH_FRAME_TYPES_H
 #define WAVEPATH_FRAME_TYPES_H
 
@@ -40,7 +40,7 @@ struct Frame {
   vec3 camera_forward;
   uint seed;
   vec3 environment_radiance;     // constant environment, or the scale of the map
-  float environment_probability; // of next-event estimation picking the environment
+  float environment_probability; // probability that next-event estimation picks the environment
   vec2 environment_rotation;     // cos, sin: direction in the map = rotation about +Y of the world direction
   uint environment_width;
   uint environment_height;
@@ -58,15 +58,17 @@ struct Frame {
   uint first_layers;      // texel of the first MaterialLayers
   float lens_radius;      // metres, of the circle that holds the aperture (kSpecLens)
   float focus_distance;   // along the view axis, to the plane that is sharp
-  uint motion_texel;      // of the triangles: where the displacements of their corners begin (kSpecMotion)
-  uint end_normals;       // vertices from one's normal to that when the shutter closes
-  uvec2 bodies_at_eye;    // bodies that hold the eye, as path_media has them (kFeatureVolume): kernels/path/bodies.glsl
-  float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
-                          // perspective; 0 = textures are looked up exactly (kFeatureMips)
-  uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
-  uvec2 top_level;        // device address of the scene's structure for ray queries: low, high
-  uint reuses_paths;      // 1: pixels share the paths of their neighbours (kSpecReuse)
-  float quad_scale;       // of the four pixels of a quad about their middle, where pixels may share paths
+  uint motion_texel;      // texel of kBindTriangles where the displacements of corners begin (kSpecMotion)
+  uint end_normals;       // offset in vertices from a normal to the one when the shutter closes
+  // Bodies that contain the eye, packed as in path_media (kFeatureVolume): kernels/path/bodies.glsl.
+  uvec2 bodies_at_eye;
+  // Width of a pixel's cone in metres: perspective cameras at a distance of 1 m, orthographic ones everywhere; 0 =
+  // textures are looked up exactly (kFeatureMips).
+  float pixel_spread;
+  uint sky_samples;  // directions in which a vertex looks for a sky of one colour (kSpecSky)
+  uvec2 top_level;   // device address of the scene's structure for ray queries: low, high
+  uint reuses_paths; // 1: pixels share the paths of their neighbours (kSpecReuse)
+  float quad_scale;  // scale of the pixels of a quad about its middle, where pixels may reuse paths
 };
 GPU_CHECK(sizeof(Frame) == 192);
 
@@ -114,13 +116,13 @@ GPU_CHECK(sizeof(Hit) == 16);
 GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u; // escape counts as shade
 GPU_CONSTANT uint kMakerCount = 3u;
 
-// What the kernels of one wave count; the host adds the waves up.
+// Counts of the kernels of one wave; the host adds the waves up.
 struct Counters {
   uint camera_rays[2]; // 64 bits: low, high
   uint bounce_rays[2];
   uint shadow_rays[2];
   uint occlusion_rays[2];
-  uint nonfinite_count[kMakerCount];           // by the kernel that made them
+  uint nonfinite_count[kMakerCount];           // number of non-finite samples, by the kernel that made them
   uint nonfinite_first[kMakerCount * kLevels]; // their lowest slots, by level in an adaptive render (WavePart's rank),
                                                // else that of index 0; kNone if there are none
 };

@@ -1,6 +1,6 @@
-// Picks by intervals of the 32-bit integers: an entry is picked by the numbers from the end of the one before to its
-// own end (host/scene/pack/intervals.h). What is left of the number is stretched over all integers again, so that one
-// number makes a choice and then goes on: points of a net that make the same choice still form a net.
+// Picks an entry by intervals of the 32-bit integers. Entry i is picked by the numbers from the end of entry i - 1 to
+// its own end (host/scene/pack/intervals.h). The rest of the number is stretched over all integers again, so that one
+// number makes a choice and is then used on: points of a net that make the same choice still form a net.
 #ifndef WAVEPATH_INTERVALS_GLSL
 #define WAVEPATH_INTERVALS_GLSL
 

@@ -19,16 +19,17 @@ GPU_CONSTANT uint kLightIndexMask = kLightClusterRoot - 1u;
 
 GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
 
-// Where a walk begins, record 0, and where it has come to.
+// State of a walk down the tree; record 0 holds the state at the root.
 struct LightCluster {
-  vec3 lo; // of the box
+  vec3 lo; // box
   uint link;
   vec3 hi;
   uint depth; // choices made so far
 };
 GPU_CHECK(sizeof(LightCluster) == 16 * kLightRecordTexels);
 
-// One of the two subtrees of a node. All is rounded so that no light falls outside. Bytes, lowest first:
+// One of the two subtrees of a node. Values are rounded so that no light lies outside. Bytes of the words, lowest
+// first:
 struct LightTreeChild {
   uint box0;     // lo.x, lo.y, lo.z, hi.x in 1/255 of the node's own box, which the walk carries along
   uint box1;     // hi.y, hi.z; axis of the cone, octahedral

@@ -9,9 +9,9 @@
 
 const bool kMoves = kMotion != 0u;
 
-float shutter_time = 0.0; // of the path that the kernel works on: 0 when the shutter opens, 1 when it closes
+float shutter_time = 0.0; // time of the current path: 0 when the shutter opens, 1 when it closes
 
-// Before anything of the scene is looked at.
+// Sets the time of a path. Must be called before any access to the scene.
 void open_shutter(Sampler path_sampler) {
   if (kMoves) shutter_time = sample_2d(path_sampler, kDimensionTime).x;
 }

@@ -1,4 +1,4 @@
-// Which (pixel, sample) a slot of the wave works on. Include bindings.glsl first.
+// Maps a slot of the wave to its (pixel, sample). Include bindings.glsl first.
 #ifndef WAVEPATH_PIXEL_GLSL
 #define WAVEPATH_PIXEL_GLSL
 

@@ -37,7 +37,7 @@ Material fetch_material(uint index) {
   return m;
 }
 
-// Of a material's layers, one texel.
+// One texel of a material's layers.
 uvec4 fetch_layers(uint material, uint row) {
   return texelFetch(material_texels, int(frame.first_layers + material * kLayerTexels + row));
 }

@@ -13,7 +13,7 @@
 
 struct Sampler {
   uint replicate;
-  uint index;    // of the sample in its replicate
+  uint index;    // index of the sample in its replicate
   uint count;    // samples that the replicate will get, at least 1 (stratified)
   uint scramble; // hash of seed, pixel index and replicate
 };

@@ -32,8 +32,8 @@ GPU_CONSTANT uint kBindEnvironmentEnds = 14u;
 
 // Texels of more than one page go on in buffers of their own. A page is what every GPU can see as one texel buffer; an
 // image may lie across two. Kernels of scenes with one page know no other (kFeatureTexelPages2 and those after it).
-GPU_CONSTANT uint kBindTexelPages = 103u; // as kBindTexels: pages 1 to kTexelPages - 1
-GPU_CONSTANT uint kTexelPageShift = 26u;  // of the number of words in a page, 256 MiB
+GPU_CONSTANT uint kBindTexelPages = 103u; // pages 1 to kTexelPages - 1, as kBindTexels
+GPU_CONSTANT uint kTexelPageShift = 26u;  // log2 of the words in a page (256 MiB)
 GPU_CONSTANT uint kTexelPages = 16u;
 
 // Images that the device's samplers look up (kFeatureSampledTextures), see host/scene/pack/atlas.h: values, colours.
@@ -42,7 +42,7 @@ GPU_CONSTANT uint kAtlasBorder = 1u; // texels around every image: what linear f
 
 // ---- geometry -------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
-GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
+GPU_CONSTANT uint kCellBias = 66u;      // bias of the exponents of a node's grid
 GPU_CONSTANT uint kTriangleTexels = 3u; // 48 bytes
 GPU_CONSTANT uint kInstanceTexels = 7u;
 
@@ -93,7 +93,7 @@ GPU_CONSTANT uint kMaterialMask = 1u << 1;
 GPU_CONSTANT uint kMaterialBlend = 1u << 2;
 GPU_CONSTANT uint kMaterialUnlit = 1u << 3;
 GPU_CONSTANT uint kMaterialVolume = 1u << 4;    // a closed volume: refracts; otherwise transmission is thin-walled
-GPU_CONSTANT uint kMaterialPriorityShift = 16u; // of a volume among those that overlap with it: 1 to 65535
+GPU_CONSTANT uint kMaterialPriorityShift = 16u; // priority of a volume among those that overlap: 1 to 65535
 
 GPU_CONSTANT float kMinSheenAlpha = 1e-3f; // finer fibres would be a spike at grazing angles that nothing samples
 GPU_CONSTANT float kMinAlpha =
@@ -124,8 +124,9 @@ struct Material {
 GPU_CONSTANT uint kMaterialTexels = 7u;
 GPU_CHECK(sizeof(Material) == 16 * kMaterialTexels);
 
-// What a material has beyond that, by the lobes that the scene uses (kLobe bits). Stored behind all materials, one for
-// each, where any material has any of it; a field is fetched by the kernels that have its lobe alone.
+// Parameters of a material's further lobes, for the lobes that the scene uses (kLobe bits). Stored behind all
+// materials, one record for each, if any material has any of them. A kernel fetches only the fields of the lobes that
+// it has.
 struct MaterialLayers {
   vec3 sheen_color;
   float sheen_roughness;
@@ -157,7 +158,7 @@ struct MaterialLayers {
   uint diffuse_transmission_color_texture;
   uint ggx_table; // first texels of albedo tables
   uint sheen_table;
-  uint glass_table; // of rough glass of this ior, from outside; behind it that from inside
+  uint glass_table; // albedo table of rough glass of this ior, from outside; behind it the one from inside
 };
 GPU_CONSTANT uint kLayerTexels = 9u;
 GPU_CHECK(sizeof(MaterialLayers) == 16 * kLayerTexels);
@@ -176,7 +177,7 @@ GPU_CONSTANT uint kTextureSrgb = 1u << 5;    // RGB are sRGB bytes; alpha is lin
 GPU_CONSTANT uint kTextureFloat = 1u << 6;   // four float words a texel, already linear
 GPU_CONSTANT uint kTextureUv1 = 1u << 7;     // TEXCOORD_1
 GPU_CONSTANT uint kTextureMoved = 1u << 8;   // uv_matrix and uv_offset apply
-GPU_CONSTANT uint kTextureSampled = 1u << 9; // in an atlas
+GPU_CONSTANT uint kTextureSampled = 1u << 9; // the texture is in an atlas
 GPU_CONSTANT uint kTextureBesideShift =
     10u; // two bits: how many images lie side by side with it (kernels/base/tile_order.h)
 GPU_CONSTANT uint kTextureLayerShift = 16u; // above it the layer of the atlas
@@ -207,9 +208,9 @@ struct Light {
   vec3 position; // punctual, device world space
   uint kind;
   vec3 direction;    // directional: towards the light. Spot: the axis, away from the light
-  float probability; // of being picked
+  float probability; // probability of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
-  uint end;          // of its interval; it begins where that of the light before ends
+  uint end;          // end of its interval, which begins at the end of the previous light's
   float
       pdf_area;  // kLightTriangle: mean density of its points, per unit of world area, the choice of the light included
   uint triangle; // kLightTriangle: one of its copies

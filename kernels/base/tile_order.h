@@ -1,5 +1,5 @@
-// Orders that keep neighbours together. Waves visit pixels in 8x8 tiles, Z-order inside a tile (Morton 1966), so that
-// neighbouring lanes trace neighbouring rays. Compiled by kernels and host alike.
+// Tile order: an order of pixels that keeps neighbours together. Waves visit pixels in 8x8 tiles, in Z-order inside a
+// tile (Morton 1966), so that neighbouring lanes trace neighbouring rays. Compiled by kernels and host alike.
 //
 //     within a complete tile                        tiles of a picture of 20x12 pixels: first index of each
 //      0  1 |  4  5 | 16 17 | 20 21                 +--------+--------+----+

@@ -1,4 +1,4 @@
-// Which entry and sample a slot of a wave works on. Compiled by kernels and host alike.
+// Maps a slot of a wave to its entry and sample. Compiled by kernels and host alike.
 #ifndef WAVEPATH_WAVE_H
 #define WAVEPATH_WAVE_H
 
@@ -20,7 +20,7 @@ struct WavePart {
   uint first_slot;
   uint first_sample;
   uint samples;
-  uint rank; // of its level among those of a wave, the highest first
+  uint rank; // rank of its level in the wave, the highest level first
 };
 
 GPU_FUNCTION WavePart even_part(Wave wave) {
@@ -32,7 +32,7 @@ GPU_FUNCTION WavePart even_part(Wave wave) {
   return part;
 }
 
-// Of a wave by levels (kFeatureAdaptive): the part of the highest level, and that of the next lower one.
+// For waves by levels (kFeatureAdaptive): the part of the highest level, and that of the next lower one.
 GPU_FUNCTION WavePart highest_part(Wave wave) {
   WavePart part;
   part.first_entry = part.first_slot = part.rank = 0u;
@@ -72,15 +72,15 @@ GPU_FUNCTION uint level_slots(Wave wave) {
   return sum;
 }
 
-// Of a slot in its part. A wave has far fewer samples of an entry than divide() can tell apart.
+// Sample of a slot in its part. A wave has far fewer samples of an entry than divide() can handle.
 GPU_FUNCTION uint local_sample(WavePart part, uint slot) { return divide(slot - part.first_slot, part.entries); }
 GPU_FUNCTION uint local_entry(WavePart part, uint slot) {
   return part.first_entry + slot - part.first_slot - local_sample(part, slot) * part.entries;
 }
 
 #ifdef __cplusplus
-// All entries get as many samples: kernels of an adaptive render take them for level 0. `first_entry`,
-// `first_film_pixel`: as Wave's first_pixel and first_film_pixel.
+// A wave in which all entries get the same number of samples; kernels of an adaptive render treat it as level 0.
+// `first_entry`, `first_film_pixel`: as Wave's first_pixel and first_film_pixel.
 inline Wave even_wave(uint first_entry, uint entries, uint first_sample, uint samples, uint first_film_pixel) {
   Wave wave{first_entry, entries, first_sample, samples, 0, first_film_pixel, {}};
   wave.level_entries[kHighestLevel] = entries;

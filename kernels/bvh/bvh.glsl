@@ -49,7 +49,8 @@ float cell_size(uint layout_, uint shift) {
   return uintBitsToFloat(((layout_ >> shift & 127u) + 127u - kCellBias) << 23u);
 }
 
-// Which children of a node the ray enters and when; also the two texels that describe the children.
+// Finds the children of a node that the ray enters, and at which t; also fetches the two texels that describe the
+// children.
 void enter_children(TraversalRay ray, float t_best, uint node, out uvec4 grid, out uvec4 zw, out ivec4 t_near,
                     out bvec4 entered) {
   int texel = int(node * kNodeTexels);
@@ -79,12 +80,12 @@ uvec4 sort_children(ivec4 t_near, bvec4 entered, uint inner_count) {
 }
 
 // ---- triangles ------------------------------------------------------------------------------------------------------
-// What a lane knows on its way, besides its stack. `current`: the next node, an instance (a leaf word), kPopInstance,
-// or kNone.
-Hit best; // so far
-uvec2 best_ids; // of its instance and triangle
+// State of a lane's traversal, besides its stack. `current`: the next node, an instance (a leaf word), kPopInstance, or
+// kNone.
+Hit best; // closest hit so far
+uvec2 best_ids; // ids of its instance and triangle
 float t_best;
-TraversalRay local_ray; // in the space of `instance`, or of the world in the top level
+TraversalRay local_ray; // the ray in the space of `instance`, or in the world in the top level
 uint current, instance, instance_id;
 bool in_top_level;
 
@@ -97,7 +98,7 @@ Hit pending;
 uvec2 pending_ids;
 float t_pending;
 
-// Whether a hit at `t` on triangle `id` counts, and comes before the best one.
+// True if a hit at `t` on triangle `id` counts and is closer than the best one.
 bool is_better(float t, uint id, uint flags, bool front) {
   bool better;
 #ifdef ANY_HIT

@@ -6,10 +6,10 @@
 #ifndef WAVEPATH_BVH_BY_LANE_GLSL
 #define WAVEPATH_BVH_BY_LANE_GLSL
 
-uint top_entry;    // of the stack; kNone: it is empty
+uint top_entry;    // top entry of the stack; kNone: it is empty
 uint kept_entries; // below it, in stack_array
-uvec2 items;       // that wait: the first one of a group of leaves, and a mask of those to be tested, counted from it
-uvec2 later_items; // those of a second group; none where `items` has none
+uvec2 items;       // pending leaves: first item of a group, and a mask of the items to test, relative to it
+uvec2 later_items; // a second pending group; empty if `items` is
 
 void clear_lane() {
   top_entry = kNone;

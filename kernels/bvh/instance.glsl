@@ -1,4 +1,5 @@
-// Points and vectors carried between the world and an instance's space. Include bindings.glsl with BIND_GEOMETRY first.
+// Transforms points and vectors between the world and an instance's space. Include bindings.glsl with BIND_GEOMETRY
+// first.
 #ifndef WAVEPATH_INSTANCE_GLSL
 #define WAVEPATH_INSTANCE_GLSL
 

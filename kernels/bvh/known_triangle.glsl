@@ -1,5 +1,5 @@
-// Where a ray meets the triangle that it is known to meet, as one that was rasterized there. Include bindings.glsl with
-// BIND_GEOMETRY first.
+// Point where a ray meets a triangle that it is known to meet, for example because the triangle was rasterized there.
+// Include bindings.glsl with BIND_GEOMETRY first.
 #ifndef WAVEPATH_KNOWN_TRIANGLE_GLSL
 #define WAVEPATH_KNOWN_TRIANGLE_GLSL
 

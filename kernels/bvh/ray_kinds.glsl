@@ -1,6 +1,6 @@
-// What kernels say of the rays that they trace, by macros in front of trace.glsl: ALPHA_TEST(hit), where alpha is
-// tested, as "this point is a hole"; CAMERA_RAYS, "the rays are the camera's", which pass single-sided triangles from
-// behind; SEES_BACKS for rays that never do; ANY_HIT where it is enough to know that there is a hit.
+// Kinds of rays, chosen by macros before trace.glsl is included. ALPHA_TEST(hit): alpha is tested, and this returns
+// true if the point is a hole. CAMERA_RAYS: the rays are the camera's, which pass single-sided triangles from behind.
+// SEES_BACKS: the rays never do. ANY_HIT: any hit will do.
 #ifndef WAVEPATH_RAY_KINDS_GLSL
 #define WAVEPATH_RAY_KINDS_GLSL
 
@@ -36,12 +36,12 @@ bool has_levels() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
 
 uint passed_sides; // kTriangleSingleSided where the ray passes such triangles from behind, else 0
 #ifdef ANY_HIT
-uint skipped_triangle, skipped_instance; // at whose surface a shadow ray ends
+uint skipped_triangle, skipped_instance; // triangle and instance where a shadow ray ends
 #endif
 
 Hit traverse(vec3 origin, vec3 direction, float t_max);
 
-// What trace() sets for traversal.
+// Variables that trace() sets for traversal.
 #ifdef ANY_HIT
 void begin_kind(uint target, uint target_instance) {
   skipped_triangle = target;

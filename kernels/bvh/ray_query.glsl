@@ -13,11 +13,11 @@
 #include "kernels/bvh/known_triangle.glsl"
 #include "kernels/bvh/ray_kinds.glsl"
 
-float t_best, t_pending; // of the hit, and of the triangle that ALPHA_TEST is asked of
+float t_best, t_pending; // t of the hit, and t of the triangle that ALPHA_TEST is asked about
 
 uint query_item(uint index) { return texelFetch(nodes, int(index / 4u))[index % 4u]; } // QueryScene::items
 
-// Whether the ray meets a triangle that the driver names.
+// True if the ray meets a triangle that the driver names.
 bool meets(vec3 origin, vec3 direction, float t_max, uint instance, uint geometry, uint primitive, out Hit hit) {
   uint object = has_levels() ? floatBitsToUint(texelFetch(instances, int(instance * kInstanceTexels + 6u)).x) : 0u;
   uint item = query_item(query_item(object + geometry) + primitive);

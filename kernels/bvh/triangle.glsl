@@ -20,7 +20,7 @@ struct TraversalRay {
   vec3 origin;
   vec3 reciprocal;
   vec3 shear;
-  uint axis; // of the largest component of the direction, the lowest on a tie
+  uint axis; // axis of the largest component of the direction, the lowest on a tie
 };
 
 // (kx, ky, kz) = (axis + 1, axis + 2, axis) modulo 3.
@@ -54,7 +54,7 @@ vec3 shear_vertex(TraversalRay ray, vec3 vertex) {
   return sheared;
 }
 
-// Where a ray meets a triangle that it is known to meet.
+// Point where a ray meets a triangle that it is known to meet.
 struct HitPoint {
   float t;
   float t_error; // it is a hit if t > t_error
@@ -76,7 +76,8 @@ HitPoint locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   if (!(abs(area) >= kSmallestNormal)) return HitPoint(0.0, 0.0, 0.0, 0.0);
   HitPoint point = HitPoint(t, 0.0, weight, (1.0 - weight) * fraction_b);
 
-  // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
+  // The signs of the depths are exact. So with all vertices in front, t needs no error bound, however thin the triangle
+  // is.
   if (min(apex.z, min(b.z, c.z)) > 0.0) return point;
   const float kEpsilon = 5.9604645e-8;
   float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)),
@@ -101,7 +102,7 @@ float squared_distance(vec3 p, vec3 q) {
 
 bool surrounds_zero(float a, float b, float c) { return min(a, min(b, c)) <= 0.0 && max(a, max(b, c)) >= 0.0; }
 
-// Whether intersect_triangle() may find a hit: its first and cheaper part.
+// True if intersect_triangle() may find a hit: its first, cheaper part.
 bool may_meet(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
   vec3 a = shear_vertex(ray, v0), b = shear_vertex(ray, v1), c = shear_vertex(ray, v2);
   precise float u = c.x * b.y - c.y * b.x;

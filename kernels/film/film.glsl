@@ -1,5 +1,5 @@
-// Adding one sample to the film: exact sums of its light, running means of its other channels.
-// Include bindings.glsl with BIND_FILM first.
+// Adds one sample to the film: exact sums of its light, running means of its other channels. Include bindings.glsl with
+// BIND_FILM first.
 #ifndef WAVEPATH_FILM_GLSL
 #define WAVEPATH_FILM_GLSL
 

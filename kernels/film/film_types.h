@@ -21,8 +21,8 @@ GPU_CONSTANT uint kBindSplats = 41u; // storage SplatPixel[], kReplicates a pixe
 // alone. So parts of a render join to the bits of the whole, and 10^9 samples lose no precision; the error of a sample
 // is below 2^-32 of the largest one.
 struct ExactSum {
-  uint high[2]; // of digit `top`: low word, high word, two's complement
-  uint low[2];  // of digit `top` - 1
+  uint high[2]; // digit `top`: low word, high word, two's complement
+  uint low[2];  // digit `top` - 1
 };
 GPU_CHECK(sizeof(ExactSum) == 16);
 
@@ -58,9 +58,9 @@ struct PathAovs {
   float roughness;
   vec3 direct; // radiance after one bounce
   float metallic;
-  uint triangle; // in the order of the source: of its mesh, or of all that is placed once
-  uint instance; // of meshes that are placed more than once; 0: all others
-  uint material; // in the order of the source, of those that surfaces have
+  uint triangle; // index in the scene file's order: in its mesh, or among all triangles placed once
+  uint instance; // instance of a mesh placed more than once; 0 for all others
+  uint material; // index in the scene file's order, among the materials in use
   uint pad0;
 };
 GPU_CHECK(sizeof(PathAovs) == 96);

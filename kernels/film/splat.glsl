@@ -10,7 +10,7 @@ const float kLargestSplat = 1.8446744e19; // 2^64: 2^63 of them and more fit int
 // that its own addition made, so that the sum is exact whatever the order.
 void add_splat(uint first, float value) {
   uint bits = floatBitsToUint(value);
-  int shift = int(bits >> 23u) - 150 + int(kSplatFraction); // of the mantissa's last bit
+  int shift = int(bits >> 23u) - 150 + int(kSplatFraction); // exponent of the mantissa's last bit
   uint mantissa = (bits & 0x7fffffu) | 0x800000u;
   if (shift <= -24 || value == 0.0) return;
   if (shift < 0) mantissa >>= uint(-shift), shift = 0;

@@ -1,6 +1,5 @@
-// Light as the integrator sees it: what a direction or a point on a light emits, and with which density next-event
-// estimation would have found it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and
-// BIND_ENVIRONMENT first.
+// Emitted light: the radiance of a direction or a point on a light, and the density with which next-event estimation
+// would have found it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_EMISSION_GLSL
 #define WAVEPATH_EMISSION_GLSL
 
@@ -66,12 +65,12 @@ vec3 environment_emission(vec3 direction, out float pdf) {
 
 // A point or direction on a light as next-event estimation draws it.
 struct LightSample {
-  vec3 direction; // to the light: unit length
+  vec3 direction; // unit length, towards the light
   float pdf;      // per solid angle, the choice of the light included; punctual lights: of the choice alone
   vec3 radiance;  // arriving; of punctual lights the irradiance at normal incidence; zero: nothing to gain
   bool delta;     // no other technique can find it
-  vec3 target;    // where the shadow ray ends
-  bool distant;   // at infinity, in `direction`
+  vec3 target;    // end of the shadow ray
+  bool distant;   // the light is at infinity, in `direction`
   uint light;     // its index
 };
 
@@ -143,8 +142,8 @@ LightSample sample_light(vec3 from, uvec2 u) {
 }
 
 #ifdef BIND_LIGHT_TREE
-// By the best selection that there is for the receiver. `ratio`: how many times more probable the light is than by
-// power.
+// Samples a light, by the best selection available for the receiver. `ratio`: probability of the light, relative to
+// selection by power.
 LightSample sample_light(Receiver receiver, uvec2 u, out float ratio) {
   uint index = pick_light_for(receiver, u, ratio);
   if (index == kNone) return no_light();

@@ -13,7 +13,7 @@
 
 bool uses_learned_sky() { return has_lobe(kFeatureLearnedSky) && (frame.scene_lobes & kFeatureLearnedSky) != 0u; }
 
-uint first_sky_end; // of which sky_end tells
+uint first_sky_end; // first word of the intervals that sky_end() reads
 uint sky_end(uint i) { return texelFetch(light_cells, int(first_sky_end + i)).x; }
 
 // The ends of a cell's bands, and of the columns of one.
@@ -66,7 +66,7 @@ uvec2 sky_part(vec3 direction) {
   return min(begin + inside, uvec2(kLargestPick)) >> (32u - kSkySideBits);
 }
 
-// How many times more probable the part of a direction is than without training.
+// Probability of the part that has a direction, relative to that without training.
 float sky_part_ratio(Receiver receiver, vec3 direction) {
   if (!uses_learned_sky()) return 1.0;
   uvec2 part = sky_part(direction);
@@ -76,7 +76,7 @@ float sky_part_ratio(Receiver receiver, vec3 direction) {
   return probability * sky_probability(part.x) * float(kSkyParts);
 }
 
-// How many times more probable the environment, in this direction, is than by power.
+// Probability of the environment in this direction, relative to selection by power.
 float environment_ratio(Receiver receiver, vec3 direction) {
   return environment_ratio(receiver) * sky_part_ratio(receiver, direction);
 }

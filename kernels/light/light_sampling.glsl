@@ -51,8 +51,8 @@ vec2 weights_in_part(uint depth, uint cell, uint cells, vec2 weights) {
 
 // ---- punctual lights --------------------------------------------------------------------------------------------
 
-// What KHR_lights_punctual has for lights with a `range`, at the square of a distance: 1 near the light, 0 from the
-// range on.
+// Falloff of KHR_lights_punctual for lights with a `range`: 1 near the light, 0 beyond the range. Its argument is the
+// square of a distance.
 float range_window(float inverse_range, float distance_squared) {
   float fraction = distance_squared * (inverse_range * inverse_range);
   return clamp(1.0 - fraction * fraction, 0.0, 1.0);
@@ -120,7 +120,7 @@ vec3 environment_texel_direction(uint column, uint row, uint width, uint height,
   return vec3(sine * cos_sin_turns(x / float(width) - 0.5), y).xzy;
 }
 
-// Where in the texel of a row such a direction lies, by solid angle: u.y of the function above.
+// Fraction of the texel's height, by solid angle, at which a direction lies: u.y of the function above.
 float environment_row_fraction(vec3 d, uint row, uint height) {
   bool south = 2u * row >= height;
   float k = float(south ? height - 1u - row : row);
@@ -145,12 +145,12 @@ uint pick_light(inout uvec2 u) {
   return index;
 }
 
-// Behind the lights: of every triangle that is cut the number of its parts, their ends among the numbers that pick, and
-// their ends among the cells.
+// Words behind the lights, for every triangle that is cut: the number of its parts, their ends among the numbers that
+// pick, and their ends among the cells.
 uint part_word(uint word) {
   return texelFetch(light_texels, int(frame.light_count * kLightTexels + (word >> 2u)))[word & 3u];
 }
-uint first_part, part_count; // of the triangle of which these tell
+uint first_part, part_count; // word range of the triangle that the next functions read
 uint part_end(uint part) { return part_word(first_part + part); }
 uint part_cell_end(uint part) { return part_word(first_part + part_count + part); }
 void find_parts(uint parts) {
@@ -159,7 +159,7 @@ void find_parts(uint parts) {
   first_part = word + 1u;
 }
 
-// How many times denser the points of a part are picked than those of the triangle on average.
+// Density of points in a part, relative to the triangle's average.
 float part_density(uint depth, uint cells, uint begin, uint end) {
   return float(end - begin) * (1.0 / 4294967296.0) * (float(1u << (2u * depth)) / float(cells));
 }
@@ -178,7 +178,7 @@ vec2 sample_light_triangle(uint parts, uvec2 u, out float density) {
   return weights_in_part(depth, cell, cells, warp_triangle(unit_float(u)));
 }
 
-// That density of a point with these weights.
+// The same density at the point with these weights.
 float light_triangle_density(uint parts, vec2 weights) {
   uint depth = parts >> kPartDepthShift;
   if (!has(kFeatureEmissionTextures) || depth == 0u) return 1.0;
@@ -191,13 +191,13 @@ float light_triangle_density(uint parts, vec2 weights) {
 #endif
 
 #ifdef BIND_ENVIRONMENT
-// A direction as the map has it.
+// A position in the environment map.
 struct EnvironmentPoint {
   vec2 position; // in texels
   uvec2 texel;   // column and row of the one that it is in
 };
 
-EnvironmentPoint environment_point(vec3 d) { // of a direction in the map's basis
+EnvironmentPoint environment_point(vec3 d) { // `d`: in the map's basis
   uvec2 size = uvec2(frame.environment_width, frame.environment_height);
   vec2 position = environment_uv(d) * vec2(size);
   return EnvironmentPoint(position, min(uvec2(position), size - 1u));
@@ -227,7 +227,7 @@ uint row_cut(uint cut) {
   return texelFetch(environment_ends, int(frame.environment_height * (1u + frame.environment_width) + cut)).x;
 }
 uint row_end(uint row) { return texelFetch(environment_ends, int(row)).x; }
-uint first_column, first_cut; // of the row of which column_end and column_cut tell
+uint first_column, first_cut; // word offsets of the row that column_end() and column_cut() read
 uint column_end(uint column) { return texelFetch(environment_ends, int(first_column + column)).x; }
 uint column_cut(uint cut) { return texelFetch(environment_ends, int(first_cut + cut)).x; }
 

@@ -1,4 +1,4 @@
-// Which light next-event estimation goes to from a receiver: by power, by the light tree, or with probabilities that
+// Selection of a light for next-event estimation at a receiver: by power, by the light tree, or with probabilities that
 // were trained near the receiver. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
 #ifndef WAVEPATH_LIGHT_SELECTION_GLSL
 #define WAVEPATH_LIGHT_SELECTION_GLSL
@@ -13,7 +13,8 @@ bool uses_light_tree() { return has(kFeatureLightTree) && (frame.scene_features 
 bool uses_light_cells() { return has(kFeatureLightCells) && (frame.scene_features & kFeatureLightCells) != 0u; }
 
 // ---- receivers, packed ------------------------------------------------------------------------------------------
-// Both techniques weigh with the density from the same receiver, bit by bit: the one that is stored with the path.
+// Light samples and BSDF samples must weigh with the density from the same receiver, bit by bit: the one stored with
+// the path.
 
 // Bit 0: the normal counts. Then 15 and 16 bits of octahedral coordinates.
 uint pack_normal(vec3 normal) {
@@ -49,7 +50,7 @@ uint light_cell(Receiver receiver, int level) {
 
 uint light_cell(Receiver receiver) { return light_cell(receiver, 0); }
 
-uint current_cell; // of which cluster_end tells
+uint current_cell; // the cell that cluster_end() reads
 uint cluster_end(uint cluster) { return texelFetch(light_cells, int(current_cell * kLightClusters + cluster)).x; }
 
 float cluster_probability(uint cell, uint cluster) {
@@ -129,7 +130,7 @@ uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
   return walk.light;
 }
 
-// That ratio of a local light, of the environment, and of any light.
+// The ratio of probabilities for a local light, for the environment, and for any light.
 float local_light_ratio(Receiver receiver, uint light) {
   if (!uses_light_tree()) return 1.0;
   uvec2 branches_and_cluster = light_branches_and_cluster(light);

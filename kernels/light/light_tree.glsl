@@ -42,12 +42,12 @@ bool draw_choice(inout Draw draw, float probability) {
   return inside;
 }
 
-// What is left, in [0, 1).
+// The rest of the number, in [0, 1).
 float remainder_of(Draw draw) { return min(float(draw.value) / float(draw.range), kOneMinusEpsilon); }
 
 // ---- bounds -----------------------------------------------------------------------------------------------------
 
-vec3 octahedral_direction(vec2 at) { // in [-1, 1]^2
+vec3 octahedral_direction(vec2 at) { // `at`: in [-1, 1]^2
   vec3 d = vec3(at, 1.0 - abs(at.x) - abs(at.y));
   if (d.z < 0.0) d.xy = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
   return normalize(d);

@@ -1,7 +1,8 @@
-// How much light passes the surfaces along a shadow ray: BLEND by its exact fraction, MASK by all or nothing, unlit
-// surfaces by all; thin smooth panes, and walls of bodies of ior 1, by what they transmit straight on, for kernels that
-// define SHADOW_PASSES_PANES and have a Sampler path_sampler; these ask bodies_passed() of walls.glsl besides. Include
-// bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
+// Fraction of light that passes the surfaces along a shadow ray. BLEND passes its exact fraction, MASK all or nothing,
+// unlit surfaces all. Kernels that define SHADOW_PASSES_PANES and have a `Sampler path_sampler` also pass thin smooth
+// panes, and walls of bodies of ior 1, by the light that these transmit straight on; they must then call
+// bodies_passed() of walls.glsl. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before
+// trace.glsl.
 #ifndef WAVEPATH_SHADOW_GLSL
 #define WAVEPATH_SHADOW_GLSL
 
@@ -17,7 +18,7 @@
 // -log2 of what has passed, in fixed point: traversal meets surfaces in any order, and integers add up to the same sum
 // in any. So the picture does not depend on the tree. A step of 2^-20 is a relative error of 7e-7.
 const uint kShadowSteps = 1u << 20u;
-const uint kOpaqueShadow = 128u * kShadowSteps; // what passes is below 2^-128, which floats cannot hold
+const uint kOpaqueShadow = 128u * kShadowSteps; // the light that passes is below 2^-128, which floats cannot hold
 uint shadow_depth;
 
 uint shadow_steps(float passed) { return uint(minus_log2(passed) * float(kShadowSteps) + 0.5); }
@@ -26,21 +27,21 @@ float fraction_passed(uint depth) {
   return exp2_minus(depth / kShadowSteps, float(depth % kShadowSteps) / float(kShadowSteps));
 }
 
-// Whether the ray shows unlit surfaces, as the eye does: define it for rays that lead to the eye.
+// True if unlit surfaces block the ray, as for the eye; to be defined for rays that lead to the eye.
 #ifndef SHADOW_SEES_UNLIT
 #define SHADOW_SEES_UNLIT false
 #endif
 
 #ifdef SHADOW_PASSES_PANES
 vec3 shadow_direction; // unit length
-uvec3 pane_depth;      // what panes stop, as shadow_depth, by colour: they tint
+uvec3 pane_depth;      // the same for panes, by colour, because panes tint
 uint pane_count;       // panes that the ray has passed
 
 // A path that goes straight through a pane has one bounce more. Shadow rays that have passed as many as the path has
 // bounces left are stopped, so that they find the light that paths of --max-depth find by chance.
 bool is_pane_too_many() { return pane_count + wave.bounce >= frame.max_depth; }
 
-// Whether the ray goes on behind a surface that may be a pane, or a wall. `distance_`: of the surface, along the ray.
+// True if the ray continues behind a surface that may be a pane or a wall. `distance_`: of the surface along the ray.
 bool passes_pane(Hit hit, float distance_) {
   Surface surface = fetch_surface(hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), shadow_direction);
@@ -87,7 +88,7 @@ bool lets_light_through(Hit hit, float distance_) {
   return shadow_depth < kOpaqueShadow;
 }
 
-bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // where no walls are passed
+bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // for kernels that pass no walls
 
 // Fraction of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels
 // too.

@@ -1,7 +1,7 @@
-// Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
-// Sums are exact: the mean does not depend on the order of samples or the size of waves, and many samples lose no
-// precision. A sample that is not finite is left out, and with it those that share its path; the kernel that made it so
-// has counted it.
+// Adds the finished samples of a wave to the film, one lane for each entry, in the order of the samples. Sums are
+// exact: the mean depends neither on the order of samples nor on the size of waves, and many samples lose no precision.
+// Samples that are not finite are left out, and with them those that reuse their path; the kernel that made them so has
+// counted them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,7 +20,7 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Adds samples first, first + step, ... of an entry to its sums in the film: read once, written once.
+// Adds samples first, first + step, ... of an entry to its sums in the film, which are read once and written once.
 void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint first, uint step_) {
   if (first >= part.samples) return;
   FilmPixel pixel = fetch_film_pixel(offset);

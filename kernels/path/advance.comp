@@ -58,7 +58,7 @@ void main() {
   } else if (step_ == kBeforeShade) {
     SIZE(queues.shade_groups, queues.hit_count)
     SIZE(queues.escape_groups, queues.escape_count)
-    empty_shadow_queues(); // not with extend, which may be prepared while connect still reads them
+    empty_shadow_queues(); // not when preparing extend, which may happen while connect still reads the queues
   } else {
     prepare_connect((step_ - kBeforeConnect) % kMostLightSamples);
     if (step_ >= kBeforeLastConnect) prepare_extend(bounce + 1u);

@@ -35,7 +35,7 @@ Sampler path_sampler;
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Adds to a sum of 64 bits in two words.
+// Adds to a 64-bit sum stored in two words.
 void add_to_sum(uint first, uint value) {
   uint before = atomicAdd(light_sums[first], value);
   if (before + value < before) atomicAdd(light_sums[first + 1u], 1u);
@@ -52,7 +52,7 @@ void tally(Receiver receiver, uint first, uint bins, uint bin, uint brought, boo
   }
   atomicAdd(light_sums[behind], 1u);
   uint cells_around = light_cell(receiver, 1) * kLightCells + light_cell(receiver, 2) + 1u;
-  if (light_sums[behind + 1u] < cells_around) // what is read may be old: then the atomic changes nothing
+  if (light_sums[behind + 1u] < cells_around) // an outdated value does no harm: the atomic then changes nothing
     atomicMax(light_sums[behind + 1u], cells_around);
 }
 
@@ -76,7 +76,7 @@ void tally(ShadowRay ray, bool blocked) {
 
 vec3 queued_origin, queued_direction;
 float queued_t_max;
-uint queued_target, queued_target_instance; // of the light
+uint queued_target, queued_target_instance; // triangle and instance of the light
 ShadowRay shadow_ray;
 
 void begin_ray(uint index) {

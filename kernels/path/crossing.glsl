@@ -1,6 +1,5 @@
-// What a surface of a body does to the bodies that a path is in: which one lies behind it, whether another body hides
-// it, and the list once the path has crossed it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_PATHS
-// first.
+// Crossing of a body's surface: finds the body behind it, tells whether another body hides the surface, and updates the
+// list of bodies that a path is in. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_PATHS first.
 #ifndef WAVEPATH_PATH_CROSSING_GLSL
 #define WAVEPATH_PATH_CROSSING_GLSL
 
@@ -22,15 +21,15 @@ uint outside_body(Vertex v, uint slot) {
   return outside == kNoBody ? kNone : outside;
 }
 
-// Its ior becomes that against the body outside.
+// Sets the vertex's ior relative to the body outside.
 void set_outside(inout Vertex v, uint outside) {
   if (!is_nested() || outside == kNone) return;
   Material other = fetch_material(outside);
   if (v.bsdf.ior > 0.0 && other.ior > 0.0) v.bsdf.ior /= other.ior;
 }
 
-// Whether the surface lies within a body of higher priority: the path goes straight on. Else its ior becomes that
-// against the body outside.
+// True if the surface lies within a body of higher priority, so that the path goes straight on. Otherwise sets the ior
+// relative to the body outside.
 bool is_hidden(inout Vertex v, uint slot) {
   uint outside = outside_body(v, slot);
   if (outside == kNone) return false;
@@ -51,7 +50,7 @@ uvec4 bodies_behind(Vertex v, uint slot) {
   return v.bsdf.entering ? with_body(fetch_bodies(slot), v.surface.material) : other_bodies(v, slot);
 }
 
-// Once the path has passed it.
+// Updates the list after the path has passed the surface.
 void cross_surface(Vertex v, uint slot) {
   if (!is_nested()) path_media[slot] = medium_behind(v);
   else store_bodies(slot, bodies_behind(v, slot));

@@ -1,10 +1,10 @@
-// What AOVs show of the first hit of a path. Include bindings.glsl with BIND_PATHS first.
+// AOVs of the first hit of a path. Include bindings.glsl with BIND_PATHS first.
 #ifndef WAVEPATH_FIRST_HIT_GLSL
 #define WAVEPATH_FIRST_HIT_GLSL
 
 #include "kernels/surface/vertex.glsl"
 
-// Which surface a ray has hit, as the source counts.
+// Identifies the surface that a ray has hit, by the numbers of the scene file.
 void identify(Hit hit, uint material, inout PathAovs aovs) {
   aovs.triangle = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
   if ((aovs.triangle & kPieceId) != 0u) aovs.triangle = texelFetch(triangle_vertices, int(hit.triangle)).w;

@@ -20,7 +20,7 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   }
 }
 
-// Whether next-event estimation might have found it, too.
+// True if next-event estimation might have found the light, too.
 bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
 
 #endif

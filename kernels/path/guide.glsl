@@ -12,11 +12,11 @@
 #include "kernels/path/guide_map.glsl"
 #include "kernels/path/path_types.h"
 
-// What guides a path at a vertex.
+// Guiding at a vertex.
 struct Guide {
   uint map;                // first texel of the leaf's map
-  float probability;       // of drawing from it
-  float guidable_fraction; // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
+  float probability;       // probability of drawing from the map
+  float guidable_fraction; // part of the BSDF that is guided; delta lobes and narrow ones find their light themselves
 };
 
 const float kGuidedAlpha = 0.1; // narrower facets are not guided

@@ -11,7 +11,7 @@
 
 // ---- where a direction lies -------------------------------------------------------------------------------------
 
-// From -1 to 1 in front (x >= 0) and back again behind.
+// Maps the azimuth: -1 to 1 in front (x >= 0), and back again behind.
 float azimuth_across(float azimuth, out bool behind) {
   float turn = 4.0 * azimuth - 1.0;
   behind = turn > 1.0;
@@ -71,7 +71,7 @@ vec4 weights_of(uint column) {
 
 float sum_of(vec4 v) { return (v.x + v.y) + (v.z + v.w); }
 
-// One of the 4x4 parts of a block; column and row.
+// Chooses one of the 4x4 parts of a block; returns its column and row.
 uvec2 choose_part(uvec4 block, inout vec2 u) {
   vec4 a = weights_of(block.x), b = weights_of(block.y), c = weights_of(block.z), d = weights_of(block.w);
   uint column = choose_of_four(vec4(sum_of(a), sum_of(b), sum_of(c), sum_of(d)), u.x);

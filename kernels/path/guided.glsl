@@ -5,8 +5,8 @@
 #include "kernels/path/guide.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// As vertex_sample() for the vertex's lobes, by both techniques, of which u.y picks one, too; kernels without guiding
-// know the BSDF alone. `bsdf_pdf`: of the BSDF alone.
+// Draws a direction like vertex_sample(), by the BSDF or by the guide, one of which u.y picks. Kernels without guiding
+// use the BSDF only. `bsdf_pdf`: density by the BSDF alone.
 bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out BsdfSample s, out vec3 wi,
                    out float bsdf_pdf) {
   bool delta = false;

@@ -50,7 +50,8 @@ vec3 sample_phase(float g, vec3 forward, vec2 u) {
   return normalize(tangent * around.x + bitangent * around.y + forward * cosine);
 }
 
-// Its density per solid angle, by the cosine between the two; what it scatters there as well.
+// Density of the phase function per solid angle, for the cosine between the two directions; also the fraction of light
+// that it scatters there.
 float phase_pdf(float g, float cosine) {
   float d = max(1.0 + g * g - 2.0 * g * cosine, 1e-12);
   return 0.25 * kInvPi * (1.0 - g * g) / (d * sqrt(d));

@@ -1,8 +1,8 @@
 // The random numbers of a path, for the kernels that follow it. Include bindings.glsl with BIND_RECEIVERS first.
 //
-// In waves by levels (kFeatureAdaptive) generate finds out which pixel and sample a slot works on, and keeps the
-// sampler: CPU drivers take a sixth of shade to find it again at every vertex. Samplers share the buffer of receivers,
-// since the layout of `path` has as many storage buffers as SwiftShader allows.
+// In waves by levels (kFeatureAdaptive), generate finds the pixel and sample of a slot and stores the sampler: on CPU
+// drivers, finding it again at every vertex would take a sixth of shade's time. Samplers are stored in the buffer of
+// receivers, since the layout of `path` already has as many storage buffers as SwiftShader allows.
 #ifndef WAVEPATH_PATH_SAMPLER_GLSL
 #define WAVEPATH_PATH_SAMPLER_GLSL
 

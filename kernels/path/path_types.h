@@ -40,9 +40,10 @@ GPU_CONSTANT uint kBindReuseTexels = 90u; // texels RGBA32UI: the same memory
 
 struct PathState {
   vec3 throughput;
-  float bsdf_pdf; // of the direction being traced, for each light sample of its vertex; negative after a delta lobe (no
-                  // next-event estimation could find it), but kept where the path goes straight through a pane, which
-                  // shadow rays pass
+  // Density of the direction being traced, divided by the number of light samples at its vertex. Negative after a delta
+  // lobe, where next-event estimation finds nothing. Unchanged where the path goes straight through a pane, which
+  // shadow rays pass.
+  float bsdf_pdf;
   vec3 radiance;
   float eta_scale; // product of squared relative iors crossed, undone for Russian roulette
 };
@@ -51,23 +52,23 @@ GPU_CHECK(sizeof(PathState) == 32);
 struct ShadowRay {
   vec3 origin;
   uint slot;
-  vec3 direction; // to the point on the light, not normalized: t in (0,1); unit length and t_max = kFar for distant
-                  // lights
+  // Vector to the point on the light, with t in (0,1). For distant lights: unit length, and t_max = kFar.
+  vec3 direction;
   float t_max;
-  vec3 contribution; // what the path gains unless the ray is blocked
-  uint light;        // Light that it goes to
+  vec3 contribution; // radiance that the path gains unless the ray is blocked
+  uint light;        // index of the light
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
 
-// Light samples of a path that takes `first` of them where it first scatters: half as many at each vertex after that,
-// as light that comes by more bounces makes less noise.
+// Number of light samples at a bounce. `first`: where the path first scatters; every later vertex has half as many, as
+// light that arrives by more bounces makes less noise.
 GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
   return bounce < 8u && (first >> bounce) > 1u ? first >> bounce : 1u;
 }
 
-// Directions in which a vertex looks for a sky of one colour, the path's own among them, of `first` where the path
-// first scatters: as many at every vertex, but where they are learned the further ones become fewer as light samples
-// do.
+// Number of directions in which a vertex looks for a sky of one colour, the path's own included. `first`: where the
+// path first scatters. It is the same at every vertex; but with trained directions the further ones decrease as light
+// samples do.
 GPU_FUNCTION uint sky_samples_at(uint first, bool learned, uint bounce) {
   return learned && first > 1u ? 1u + light_samples_at(first - 1u, bounce) : first;
 }
@@ -100,18 +101,17 @@ struct Queues {
   uint connect_groups[3];
   uint first_shadow; // index of the first shadow ray that connect traces (kSpecLightSamples)
   uint shade_groups[3];
-  uint next_ray; // index of the next ray to be traced (trace_queue.glsl)
+  uint next_ray; // index of the next ray to trace (trace_queue.glsl)
   uint escape_groups[3];
-  uint next_shadow_ray;                 // likewise
-  uint shadow_count[kMostLightSamples]; // by queue (sky.glsl); connect reads the first, which advance sets for it
-  uint sender_count;                    // of paths whose second vertex sends light to neighbours (reuse.glsl)
+  uint next_shadow_ray;                 // index of the next shadow ray to trace
+  uint shadow_count[kMostLightSamples]; // for each queue (sky.glsl); connect reads the first, which advance sets for it
+  uint sender_count;                    // number of paths whose second vertex sends light to neighbours (reuse.glsl)
 };
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
-// What advance prepares for: its push constant `bounce` is kAdvanceSteps * bounce + step.
-// Queue i of shadow rays is kBeforeConnect + i; kBeforeLastConnect + i where rays are sorted and no other queue
-// follows, so that extend of the next bounce is prepared as well: on CPU drivers a dispatch of one lane takes
-// some 90 us.
+// Steps of advance, whose push constant `bounce` is kAdvanceSteps * bounce + step. Queue i of shadow rays is
+// kBeforeConnect + i. If rays are sorted and no other queue follows, it is kBeforeLastConnect + i, which also prepares
+// extend of the next bounce: on CPU drivers a dispatch of one lane takes about 90 us.
 GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
                   kBeforeLastConnect = kBeforeConnect + kMostLightSamples,
                   kAdvanceSteps = kBeforeLastConnect + kMostLightSamples;
@@ -123,20 +123,20 @@ GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
 // The first one: probability of the diffuse lobe at x (0: x does not share; negative: another lobe was drawn), instance
 // of y + 1 (0: y does not share), reuse_quad(), id of the triangle of y.
 GPU_CONSTANT uint kReuseHead = 0u;
-GPU_CONSTANT uint kReuseReceiver = 1u;       // where rays of x begin; its coupling (pack_coupling())
+GPU_CONSTANT uint kReuseReceiver = 1u;       // start of rays at x; coupling of x (pack_coupling())
 GPU_CONSTANT uint kReuseReceiverColor = 2u;  // albedo of the diffuse lobe, without the coupling of the direction; ior
 GPU_CONSTANT uint kReuseReceiverNormal = 3u; // shading normal, alpha
-GPU_CONSTANT uint kReuseSender = 4u;         // where rays to y end; its coupling
+GPU_CONSTANT uint kReuseSender = 4u;         // end of rays to y; coupling of y
 GPU_CONSTANT uint kReuseSenderPlane = 5u;    // geometric normal, ior
-GPU_CONSTANT uint kReuseOwn = 6u;            // light that the path had gathered before y; alpha of y
-GPU_CONSTANT uint kReuseWeights = 7u;        // what the light of y counts for each pixel of the quad
-GPU_CONSTANT uint kReuseList = 8u;           // of as many slots as have a sender, the first word: which they are
-// Where there are interfaces:
+GPU_CONSTANT uint kReuseOwn = 6u;            // radiance that the path had gathered before y; alpha of y
+GPU_CONSTANT uint kReuseWeights = 7u;        // weight of the light of y for each pixel of the quad
+GPU_CONSTANT uint kReuseList = 8u;           // first word: list of the slots that have a sender, in the first slots
+// Only in scenes with interfaces:
 GPU_CONSTANT uint kReuseOther = 9u; // throughput of the lobes of x that share nothing
-// Where shading normals are not geometric ones:
+// Only in scenes with shading normals:
 GPU_CONSTANT uint kReuseReceiverPlane = 10u; // geometric normal, on the side of the shading normal
 GPU_CONSTANT uint kReuseSenderNormal = 11u;  // shading normal
-// Where there are normal maps:
+// Only in scenes with normal maps:
 GPU_CONSTANT uint kReuseReceiverMirror = 12u; // Vertex::plane, or zero where no map bends the normal
 
 GPU_FUNCTION uint reuse_texel_count(Feature features) {
@@ -151,16 +151,17 @@ GPU_CONSTANT uint kMostReuseTexels = 13u;
 // A vertex at which a path of the pilot scattered.
 struct GuideRecord {
   vec3 position;
-  float pdf; // of the direction, by all techniques; negative: a delta lobe; 0: the path ended here, nothing else is set
+  // Density of the direction by all techniques; negative: delta lobe; 0: the path ended here, and nothing else is set.
+  float pdf;
   vec3 direction;
-  float bsdf_pdf;          // by the BSDF alone
-  float throughput;        // luminance, the scattering included
+  float bsdf_pdf;          // density by the BSDF alone
+  float throughput;        // luminance, after this scattering
   float before;            // luminance that the path had gathered when it arrived at its next vertex
   float after;             // luminance that the whole path gathered
-  float guidable_fraction; // of the BSDF that can be guided
+  float guidable_fraction; // part of the BSDF that can be guided
 };
 GPU_CHECK(sizeof(GuideRecord) == 48);
-GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b
+GPU_CONSTANT uint kGuideBounces = 8u; // recorded bounces of a path; bounce b of path p is record p * kGuideBounces + b
 
 // Two levels of a binary tree, read with one fetch: the first split, that of its lower half and that of its upper half;
 // their axes in pairs of bits of `links`, and above those the index of the first of four children. Where the first axis

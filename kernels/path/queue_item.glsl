@@ -1,4 +1,4 @@
-// Which entry of a queue an invocation takes.
+// Assigns the entries of a queue to invocations.
 //
 // llvmpipe gives each of its threads one run of a dispatch's workgroups, and waits for the slowest thread. But
 // neighbours in a queue are alike: noisy levels come first, and what one thread appended while the other had ended

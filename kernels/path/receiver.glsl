@@ -6,8 +6,8 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes
-// between make the ray begin elsewhere.
+// True if the vertex is stored for its scattered ray. The hit needs it to compute the probability of the light there,
+// or because the ray begins elsewhere after panes.
 bool keeps_receivers() {
   return uses_light_tree() || uses_learned_sky() || (uses(kFeaturePanes) && has(kFeatureTriangleLights));
 }

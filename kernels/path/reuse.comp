@@ -84,7 +84,7 @@ bool link_to(uint slot, Sender y, out Link link) {
          is_finite(link.density);
 }
 
-// Of all lanes, each of which has traced 0 to 4.
+// Counts the rays of all lanes, each of which has traced 0 to 4.
 void count_rays(uint traced) {
   uint rays = subgroupBallotBitCount(subgroupBallot((traced & 1u) != 0u));
   rays += 2u * subgroupBallotBitCount(subgroupBallot((traced & 2u) != 0u));
@@ -94,20 +94,20 @@ void count_rays(uint traced) {
   if (before + rays < before) atomicAdd(counters.shadow_rays[1], 1u);
 }
 
-// Whether nothing at all lies between.
+// True if nothing at all lies between.
 bool is_clear(Link link, Sender y) {
   restart_shadow();
   Hit hit = trace(link.origin, link.offset, 1.0, y.triangle, y.instance);
   return hit.triangle == kNone && shadow_depth == 0u;
 }
 
-// What the light of the sender of a slot counts for each pixel of the quad. Returns how many rays that took.
+// Weights of a sender's light for each pixel of the quad. Returns the number of rays traced.
 uint weigh(uint slot, out vec4 weights) {
   weights = vec4(0.0);
   uvec4 head = texelFetch(reuse_texels, int(reuse_index(slot, kReuseHead)));
   uint at = head.z % kQuadPixels, count = head.z / kQuadPixels, traced = 0u;
   Sender y = fetch_sender(slot, head);
-  float density = 0.0, receiver_passes = 1.0, sender_passes = 1.0; // of the path itself
+  float density = 0.0, receiver_passes = 1.0, sender_passes = 1.0; // of this path's own technique
   for (uint i = 0u; i < count; ++i) {
     uint receiver = slot - at + i;
     float probability = abs(fetch_reuse(receiver, kReuseHead).x);
@@ -129,7 +129,7 @@ uint weigh(uint slot, out vec4 weights) {
   }
   if (weights[at] > 0.0 && density > 0.0 && sender_passes > 0.0) {
     weights /= density * sender_passes;
-  } else { // what it found is its own
+  } else { // its light stays its own
     weights = vec4(0.0);
     weights[at] = receiver_passes / uintBitsToFloat(head.x);
   }

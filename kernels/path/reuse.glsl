@@ -9,14 +9,14 @@
 //
 // where K_ij = cos cos / (pi distance^2) between x_i and y_j, or 0 if they do not see each other: a path from x_i finds
 // y_j with density P_i K_ij per area, P_i being the probability of the diffuse lobe. (Where a map bends the normal, the
-// cosine at x_i is the sum of two, see kernels/surface/world_scattering.glsl.) w_i is the lobe's albedo, T the share
+// cosine at x_i is the sum of two, see kernels/surface/world_scattering.glsl.) w_i is the lobe's albedo, T the fraction
 // of light along a direction that passes the interface above the diffuse base. So every path is a sample of one
 // technique, weighed by the balance heuristic (Veach 1997, section 9.2), and the mean is that of paths that share
 // nothing.
 //
-// Of y_j only the diffuse lobe takes part, whose light goes everywhere alike but for T: a path that arrives there goes
-// on from it or from the other lobes, by chance. What x_j scatters by its other lobes is its own, and so is what the
-// path gathers before y_j: emission, light samples at x_j, light of y_j itself.
+// Only the diffuse lobe of y_j takes part, whose light goes the same everywhere except for T: a path that arrives there
+// continues from it or from the other lobes, by chance. Light that x_j scatters by its other lobes is not reused, nor
+// is the light that the path gathers before y_j: emission, light samples at x_j, light of y_j itself.
 //
 // Between x and y must lie nothing: panes and BLEND surfaces stop the light that is shared, and paths that passed some
 // share nothing.
@@ -39,15 +39,15 @@ void store_reuse(uint slot, uint texel, vec3 v, float w) {
   reuse_words[reuse_index(slot, texel)] = floatBitsToUint(vec4(v, w));
 }
 
-// Which pixel of its quad a slot works on, and how many entries that has, which are slots beside each other.
+// Rank of a slot's pixel in its quad, and number of entries of that quad, whose slots are consecutive.
 uint reuse_quad(uint slot) {
   uint entry = slot_entry(slot);
   return rank_in_quad(entry, frame.width * frame.height) + kQuadPixels * quad_entries(entry, frame.width, frame.height);
 }
 
-// Where a sample of a pixel lies in a picture whose quads are those of a larger one, and so less wide.
+// Position of a sample in a picture whose quads are narrowed to those of a larger picture.
 vec2 position_in_quad(uvec2 pixel, vec2 position) {
-  if (kReuse == kReuseNone || frame.quad_scale == 1.0) return position; // as it is, to the last bit
+  if (kReuse == kReuseNone || frame.quad_scale == 1.0) return position; // unchanged, to the last bit
   vec2 middle = vec2(pixel / 2u * 2u) + 1.0;
   return middle + (position - middle) * frame.quad_scale;
 }
@@ -57,7 +57,7 @@ void begin_reuse(uint slot) {
   reuse_words[reuse_index(slot, kReuseHead)].xyz = uvec3(0u, 0u, reuse_quad(slot));
 }
 
-// How light along a direction couples to the diffuse base of a plain material: what interface_transmittance() asks for.
+// Coupling of a direction to the diffuse base of a plain material: the arguments of interface_transmittance().
 struct Coupling {
   float f0, f90, ior, alpha;
 };

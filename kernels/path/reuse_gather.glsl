@@ -1,5 +1,5 @@
-// What a path brings to its pixel, with the light that the other paths of its quad found. Include bindings.glsl with
-// BIND_REUSE and BIND_PATHS first.
+// Radiance that a path adds to its pixel, including the light that other paths of its quad found. Include bindings.glsl
+// with BIND_REUSE and BIND_PATHS first.
 #ifndef WAVEPATH_PATH_REUSE_GATHER_GLSL
 #define WAVEPATH_PATH_REUSE_GATHER_GLSL
 

@@ -9,7 +9,7 @@
 #include "kernels/path/reuse.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// Whether its diffuse lobe is that of reuse.glsl, by a normal that is the same for all directions.
+// True if the vertex has the diffuse lobe of reuse.glsl, with one normal for all directions.
 bool may_reuse(Vertex v, Lobes l) {
   if (v.normal != v.bumped || !has_plain_base(v.bsdf) || max_component(l.diffuse) <= 0.0) return false;
   if (!kMicrofacets) return true;
@@ -48,7 +48,7 @@ bool begin_receiver(Vertex v, Lobes l, uint slot) {
   return true;
 }
 
-// After it has scattered by `s` to `wi`.
+// Completes a receiver after its path has scattered by `s` to `wi`.
 void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   if (s.wide) reuse_words[reuse_index(slot, kReuseHead)].x = floatBitsToUint(l.diffuse_probability);
   if (!kMicrofacets) return;
@@ -58,7 +58,7 @@ void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   store_reuse(slot, kReuseOther, other);
 }
 
-// By which rays to a surface skip its triangle; Hit::triangle is its index in the tree.
+// Id of a triangle, by which rays to a surface skip it; Hit::triangle is its index in the tree.
 uint triangle_id(Hit hit) { return floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w); }
 
 // The second vertex, where the path has gathered what it finds of light that y sends by itself. `surface`: where the

@@ -41,35 +41,36 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-Guide guide; // of the vertex being shaded
-bool sends = false; // whether it sends light to neighbours,
-uint sender;        // and its slot
+Guide guide; // guide of the vertex being shaded
+bool sends = false; // true if the vertex sends light to neighbours
+uint sender;        // slot of that vertex
 
 #define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
 uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
 
 bool is_behind(Vertex v, vec3 direction) { return is_below(v, direction) && !v.bsdf.thin; }
 
-// Of what lies on this side of the surface or behind it; where shadow rays pass walls, connect finds out.
+// Transmittance of the body on the side of the surface that `direction` leaves to; 1 where shadow rays pass walls,
+// since connect then computes it.
 vec3 transmittance_towards(Vertex v, vec3 direction, float distance_, uint slot) {
   if (!has(kFeatureVolume) || uses_walls()) return vec3(1.0);
   return medium_transmittance(is_behind(v, direction) ? body_behind(v, slot) : current_body(slot), distance_);
 }
 
-// For connect: where the shadow rays of the vertex begin,
+// Stores for connect the bodies in which the vertex's shadow rays begin.
 void store_bodies_around(Vertex v, uint slot) {
   if (!has(kFeatureVolume) || !uses_walls()) return;
   store_bodies(kBodiesHere, slot, fetch_bodies(slot));
   store_bodies(kBodiesBehind, slot, bodies_behind(v, slot));
 }
 
-// and whether a ray begins behind its surface.
+// t_max of a shadow ray, which also tells connect whether the ray begins behind the surface.
 float t_max_of(Vertex v, vec3 direction, bool distant) {
   float t_max = distant ? kFar : 1.0;
   return has(kFeatureVolume) && uses_walls() && is_behind(v, direction) ? behind_t_max(t_max) : t_max;
 }
 
-// Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
+// Next-event estimation by one of light_sample_count() samples. Returns true if there is a shadow ray to trace.
 bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
                       vec3 throughput, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
@@ -78,7 +79,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   float bsdf_pdf;
   vec3 scattered = vertex_eval(v, lobes, light.direction, bsdf_pdf);
   if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, light.direction);
-  float density = light.pdf; // of all samples
+  float density = light.pdf; // density of all light samples together
   if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
@@ -95,7 +96,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   return true;
 }
 
-// The same at a point within a body that scatters, of a path that arrives along `forward`; by one sample.
+// The same for a point within a body that scatters, with a single light sample. The path arrives along `forward`.
 bool connect_to_light(vec3 from, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension,
                       uint slot, vec3 throughput, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
@@ -121,8 +122,8 @@ Sampler one_of(Sampler path_sampler, uint i, uint count) {
   return path_sampler;
 }
 
-// Next-event estimation by all of them, whose shadow rays go to their queues: lane by lane, since lanes of a subgroup
-// need not be together here.
+// Next-event estimation by all light samples; appends the shadow rays to their queues. Appends lane by lane, since the
+// lanes of a subgroup need not be together here.
 void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
                        vec3 throughput) {
   for (uint i = 0u; i < light_sample_count(); ++i) {
@@ -134,7 +135,8 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
   }
 }
 
-// A direction in which a vertex looks for the sky, and the weight of the sky's radiance: false if it brings nothing.
+// Draws a direction in which the vertex looks for the sky, and the weight of the sky's radiance. Returns false if it
+// brings nothing.
 bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, out vec3 wi, out vec3 weight) {
   uint dimension = kDimensionSky + 2u * wave.bounce;
   float bsdf_pdf;
@@ -156,7 +158,7 @@ bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, o
   return s.pdf >= 0.0 && sides_agree(v, wi); // a delta lobe is the path's own
 }
 
-// The directions towards the sky that are not the path's own, whose shadow rays go to queues of their own.
+// Samples the directions towards the sky besides the path's own; their shadow rays go to separate queues.
 void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint slot, vec3 throughput) {
   uint further = further_directions(wave.bounce);
   for (uint i = 1u; i <= further; ++i) {
@@ -175,15 +177,15 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
   }
 }
 
-// Whether a wall of ior 1 lets shadow rays through, as kernels/light/shadow.glsl has it.
-bool may_be_pane; // of the triangle that is shaded, where there are walls
+// True if a wall of ior 1 lets shadow rays through, as in kernels/light/shadow.glsl.
+bool may_be_pane; // of the triangle being shaded; set only if there are walls
 bool lets_shadow_rays_pass(Vertex v) {
   if (!uses_walls() || !may_be_pane || !is_unbending_wall(v.bsdf)) return false;
   return max_component(pane_transmittance(v.bsdf, dot(v.wo, v.normal))) > 0.0;
 }
 
-// Scatters the path: true if it goes on with `ray`. `receives`: the vertex does, of the light that neighbours find.
-// `passed`: straight through a pane, as shadow rays do.
+// Scatters the path. Returns true if it continues with `ray`. `receives`: the vertex receives the light that neighbours
+// find. `passed`: set if the path goes straight through a pane, as shadow rays do.
 bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, bool receives,
              inout PathState path, out Ray ray, out bool passed) {
   passed = false;
@@ -200,18 +202,17 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   if (receives) scatter_receiver(v, lobes, s, wi, slot);
 
   path.throughput *= s.weight;
-  // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its
-  // density.
+  // Light behind a pane is found by the shadow rays of the vertex before as well. So the direction keeps its density.
   if (!passed) path.bsdf_pdf = s.pdf;
   if (!passed && TAKES_MORE_LIGHT_SAMPLES) path.bsdf_pdf /= float(light_sample_count());
   path.eta_scale *= s.eta_scale;
-  // Roulette goes by the throughput that the BSDF alone would give: a guided path towards the light has little of it.
+  // Roulette uses the throughput that the BSDF alone would give, since a path guided towards light has a low one.
   if (has(kFeatureGuide)) path.eta_scale *= s.pdf < 0.0 ? 1.0 - guide.probability : s.pdf / max(bsdf_pdf, 1e-6 * s.pdf);
-  // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and
-  // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
-  // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
-  // environment (llvmpipe). Paths survive a quarter more often than that, and twice as often where they are guided to
-  // light (benchmarks/results/NOTES.md).
+  // Russian roulette from the third bounce on, by the square root of the light that the path can still carry. pbrt-v4
+  // (section 13.2.1) uses the plain value, from the second bounce on, which ends expensive paths that would still bring
+  // light. Relative to that, time times relMSE is 0.82x on a Cornell box, 0.74x on Sponza, 0.2x on DamagedHelmet under
+  // a studio environment (llvmpipe). Paths survive 1.25x as often, and 2x as often where they are guided
+  // (benchmarks/results/NOTES.md).
   float survival = (has(kFeatureGuide) ? 2.0 : 1.25) * sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureTraining)) {
     if (!(u_choice.y < survival)) return false;
@@ -228,7 +229,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
-// Next-event estimation where the path is scattered within a body, at the origin of its next ray.
+// Next-event estimation where the path is scattered within a body, at the origin of its next ray `next`.
 bool light_in_medium(Ray ray, Ray next, PathState path, out ShadowRay shadow) {
   if (kDirect == kDirectBsdf || frame.light_count == 0u) return false;
   uint slot = ray.slot;
@@ -243,7 +244,8 @@ bool light_in_medium(Ray ray, Ray next, PathState path, out ShadowRay shadow) {
   return false;
 }
 
-// Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
+// Follows the path of one ray to its next vertex. Sets wants_ray and wants_shadow if `next` and `shadow` are to be
+// traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
@@ -275,7 +277,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     may_be_pane = (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTrianglePane) != 0u;
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
-    if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // they do not get here
+    if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // shadow rays do not get here
     next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction),
                slot, ray.direction, kFar);
     wants_ray = wave.bounce < frame.max_depth;
@@ -320,7 +322,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       store_bodies_around(v, slot);
     }
     if (connects) {
-      // A single one goes to its queue with the path's own ray: 108 registers instead of 120 by AMD's compiler.
+      // A single light sample is appended to its queue together with the path's own ray: 108 registers instead of 120
+      // with AMD's compiler.
       if (TAKES_MORE_LIGHT_SAMPLES)
         connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
       else
@@ -328,16 +331,16 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     }
     if (looks_for_sky) connect_to_sky(v, lobes, receiver, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
-    // A pane with a diffuse lobe receives light, too, but what goes straight on comes from the vertex before it.
-    // (Training counts the pane's own shadow ray for that vertex: this makes probabilities less suitable, never wrong.)
-    // Where no weight will be asked for, as behind the camera or a mirror, nothing was stored before: the words are
-    // those of another path, or of nobody, and what is learned from them would differ from run to run.
+    // A pane with a diffuse lobe receives light, too. But light straight ahead comes from the vertex before it, so that
+    // vertex is stored again. (Training counts the pane's own shadow ray for that vertex: probabilities become less
+    // suitable, never wrong.) Where no weight will be asked for, as behind the camera or a mirror, nothing was stored
+    // before. The words there are those of another path, and training from them would differ from run to run.
     if (passed && (connects || looks_for_sky) && keeps_receivers() && wants_light_weight(path))
       receiver_words[receiver_index(slot)] = earlier;
   }
 }
 
-// The same for the ray at this index in the queue, whose path ends if it is no longer finite.
+// Follows the ray at this index in the queue. The path ends if it is no longer finite.
 void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
@@ -350,7 +353,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
     path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);
-    wants_ray = wants_shadow = false; // of its other light samples connect sees that it has ended
+    wants_ray = wants_shadow = false; // connect finds out for its other light samples
   }
   store_path(ray.slot, path);
 }

@@ -6,7 +6,7 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/sky.glsl"
 
-// Whether further directions are drawn with trained probabilities.
+// True if further directions are drawn with trained probabilities.
 #define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky())
 
 // Directions in which a vertex looks for the sky, besides the path's own.
