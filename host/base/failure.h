@@ -27,10 +27,10 @@ public:
   void finish();
 
 private:
-  void note(const std::exception& failure); // of the handler that calls it
+  void note(const std::exception& failure); // notes the exception that the calling handler has caught
 
   std::exception_ptr first_;
-  bool only_reader_gone_ = false; // which any other failure replaces
+  bool only_reader_gone_ = false; // any other failure replaces it
   std::string others_;            // lines
 };
 

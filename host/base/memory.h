@@ -1,4 +1,4 @@
-// How much memory this process may still take from the host.
+// Memory that this process may still take from the host.
 #pragma once
 
 #include <cstdint>

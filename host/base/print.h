@@ -32,7 +32,7 @@ template <class... Arguments>
 void print_out(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   write_out(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
-// What is still in the buffer. Throws likewise, also where an earlier write failed.
+// Writes the rest of the buffer. Throws likewise, also if an earlier write failed.
 void flush_out();
 
 } // namespace wavepath

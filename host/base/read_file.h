@@ -16,7 +16,7 @@ std::optional<std::uint64_t> regular_file_size(const std::filesystem::path& path
 // Fills `out` with the bytes from `offset` on; false if the file cannot be opened or ends before that.
 bool read_file(const std::filesystem::path& path, std::uint64_t offset, std::span<std::uint8_t> out);
 
-// All of a regular file; nothing if it cannot be read. Throws Error if it does not fit into memory.
+// The contents of a regular file; empty if it cannot be read. Throws Error if it does not fit into memory.
 std::optional<std::vector<std::uint8_t>> read_whole_file(const std::filesystem::path& path);
 
 } // namespace wavepath

@@ -16,15 +16,15 @@
 
 namespace wavepath {
 
-// Of a thread, as the kernel counts (schedstat of proc(5)): nanoseconds that it ran, and that it waited for a core.
+// Times of a thread, from the kernel's schedstat (proc(5)): nanoseconds that it ran, and that it waited for a core.
 struct ThreadTimes {
   std::uint64_t ran = 0, waited = 0;
 };
 
-// Whether one of these threads waits for a good part of the time that it runs.
+// True if one of these threads waits for a good part of the time that it runs.
 bool waits_for_cores(std::span<const ThreadTimes> threads);
 
-// Not for several threads at once.
+// Threads on which a driver computes. Not safe to call from several threads.
 class WorkerThreads {
 public:
   // While it lives, threads that the calling thread starts are the workers: they inherit a name that the calling thread
@@ -48,7 +48,7 @@ public:
 
 private:
   struct Worker {
-    int id; // of the kernel
+    int id; // thread id of the kernel
     ThreadTimes seen;
   };
 

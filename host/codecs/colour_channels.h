@@ -1,4 +1,4 @@
-// Which channels of a file are its colours.
+// Finds the colour channels of a file.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@ namespace wavepath {
 
 enum class FileFormat : std::uint8_t { png, jpeg, webp };
 
-// Nothing for other formats.
+// The format of a file, by its first bytes; empty for other formats.
 std::optional<FileFormat> file_format(std::span<const std::uint8_t> file);
 
 DecodedImage decode(FileFormat format, std::span<const std::uint8_t> file, const CheckShape& check);

@@ -16,7 +16,8 @@ struct LinearPicture {
 };
 
 struct ReadRequest {
-  // Of an environment: a cube map becomes a lat-long map, and the data window must hold the display window.
+  // The file is read as an environment: a cube map becomes a lat-long map, and the data window must contain the display
+  // window.
   bool environment = false;
   // Colours are light, which is not negative: those outside of Rec. 709 are clipped where they would become so.
   bool light = false;

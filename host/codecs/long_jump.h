@@ -12,7 +12,7 @@ namespace wavepath {
 
 struct LongJump {
   std::jmp_buf buffer;
-  char words[200] = ""; // what the library says is wrong
+  char words[200] = ""; // error text of the library
 
   [[noreturn]] void leave(const char* problem) {
     if (problem != words) std::snprintf(words, sizeof words, "%s", problem);
@@ -20,8 +20,8 @@ struct LongJump {
   }
 };
 
-// Whether step() returned; false if it left by jump.leave(). What is alive inside of it then goes without destructors:
-// it holds references and numbers and calls C functions, nothing else.
+// Calls step(). Returns true if it returned, false if it left by jump.leave(). In that case objects alive inside are
+// not destroyed, so it may hold references and numbers and call C functions only.
 template <class Step>
 bool completes(LongJump& jump, const Step& step) {
   static_assert(std::is_trivially_destructible_v<Step>);

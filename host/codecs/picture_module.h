@@ -16,13 +16,13 @@ enum class Encoding : std::uint8_t { linear, srgb, gamma };
 
 // One picture of a file, as its header tells of it.
 struct StoredPart {
-  std::uint32_t width = 0, height = 0;           // of the data window: what is stored
+  std::uint32_t width = 0, height = 0;           // size of the data window, the stored pixels
   std::int64_t x = 0, y = 0;                     // its upper left corner, from that of the display window
-  std::uint32_t full_width = 0, full_height = 0; // of the display window
+  std::uint32_t full_width = 0, full_height = 0; // size of the display window
   std::vector<std::string> channels;
   std::optional<std::size_t> unassociated_alpha; // the channel that colours are not yet multiplied by
   Encoding encoding = Encoding::linear;
-  double gamma = 1.0;                                 // of Encoding::gamma: linear = stored ^ gamma
+  double gamma = 1.0;                                 // for Encoding::gamma: linear = stored ^ gamma
   std::optional<std::array<float, 8>> chromaticities; // x and y of red, green, blue and white
   int orientation = 1;                                // as in EXIF: 1 is upright
   bool display = false;                               // 8 or 16 bits for a display

@@ -5,11 +5,11 @@
 
 namespace wavepath {
 
-// As OpenImageIO names it, but for png, jpeg and webp, which are decoded without it; null for what is read by neither.
-// Throws Error if the file cannot be read.
+// Name of a file's format: png, jpeg and webp, which are decoded without OpenImageIO, or OpenImageIO's name; null if
+// the file cannot be decoded. Throws Error if the file cannot be read.
 const char* stored_format(const std::string& path);
 
-// What can be read, for messages and help.
+// List of readable formats, for messages and help.
 inline constexpr const char* kReadablePictures =
     "EXR, HDR, PNG, JPEG, WebP, TIFF, TGA, BMP, DDS, PSD, JPEG 2000, HEIF, AVIF, PFM or PNM";
 

@@ -21,7 +21,7 @@ struct QueryTriangles {
 
 // An object with a transform. Its index, counted from 0, is what ray queries report as the custom index.
 struct QueryInstance {
-  std::uint32_t object = 0;       // as add() counts
+  std::uint32_t object = 0;       // number that add() returned
   glm::vec4 world_from_object[3]; // rows
 };
 

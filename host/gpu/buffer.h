@@ -33,7 +33,7 @@ public:
 
   VkBuffer handle() const { return buffer_; }
   std::uint64_t bytes() const { return bytes_; }
-  std::uint64_t address() const; // of an `addressed` one
+  std::uint64_t address() const; // address of an `addressed` buffer
 
   // The memory of a `readback` buffer; null for `device`. To read what commands wrote, the host waits for their fence
   // (Commands makes their writes visible to the host) and calls invalidate().
@@ -48,14 +48,14 @@ public:
   // The memory itself, as finished commands left it, where the host can map it; else null, and read() copies it.
   const void* in_place() const;
   void fill_zero() { fill_zero(bytes_); }
-  void fill_zero(std::uint64_t bytes); // of its beginning, a multiple of 4
+  void fill_zero(std::uint64_t bytes); // clears the first `bytes` bytes, a multiple of 4
 
 private:
   void swap(Buffer& other) noexcept;
 
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
-  Memory memory_; // what cannot be mapped is reached by staging
+  Memory memory_; // if not mapped, it is reached by staging
   std::uint64_t bytes_ = 0;
   BufferHome home_ = BufferHome::device;
 };

@@ -77,8 +77,8 @@ private:
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  std::uint32_t query_capacity_ = 0; // of the pool
-  std::uint32_t query_limit_ = 0;    // of this recording
+  std::uint32_t query_capacity_ = 0; // timestamps in the pool
+  std::uint32_t query_limit_ = 0;    // limit of this recording
   std::vector<const Kernel*> timed_;
   bool timing_ = false; // the dispatch being recorded is timed
   bool in_flight_ = false;

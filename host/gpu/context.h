@@ -31,7 +31,7 @@ void check(VkResult result, const char* what);
 // Every device of the machine, in the order that --device INDEX counts.
 std::vector<DeviceInfo> list_devices();
 
-// Not used by itself: a Device adds the copies that reach memory which the host cannot map.
+// Base of Device, which adds copies to memory that the host cannot map.
 class Context {
 public:
   // `wanted`: as choose_device() takes it (host/gpu/device_choice.h), whose Errors it throws.

@@ -19,7 +19,7 @@ public:
 
   Staging& staging() { return staging_; }
 
-  // From now on pipelines of kernels are kept and shared. Not where the time that compiling takes is told.
+  // From now on keeps pipelines of kernels and shares them. Not to be used where compile times are reported.
   void keep_pipelines() { kept_pipelines_ = std::make_unique<KeptPipelines>(); }
   KeptPipelines* kept_pipelines() const { return kept_pipelines_.get(); } // null: they go with their kernels
 

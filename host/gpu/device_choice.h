@@ -1,4 +1,4 @@
-// Which of a machine's devices is meant.
+// Chooses one of the machine's devices.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace wavepath {
 
-// Position in `devices` of the one that `wanted` means: an index; else part of a name (case-insensitive), numbers
-// included; empty = a discrete GPU if there is one, then integrated, virtual, CPU. Throws Error if none fits, or if the
-// one that fits lacks something, naming those that exist.
+// Index in `devices` of the device that `wanted` names: an index; else a part of its name, digits included, in any
+// case. If `wanted` is empty: a discrete GPU, else an integrated one, a virtual one, a CPU. Throws Error if none
+// matches, or if the device lacks something that the program needs; the message lists the devices.
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted);
 
 // Advice for machines without a driver: to mend the variables that tell the Vulkan loader where drivers are, if any is

@@ -17,16 +17,16 @@ struct DeviceInfo {
   std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
-  std::uint32_t max_image_side = 0, max_image_layers = 0;         // of images of 8 bits a channel that kernels sample,
-  std::uint64_t max_image_bytes = 0;                              // and of all their layers
+  std::uint32_t max_image_side = 0, max_image_layers = 0;         // limits of 8-bit images that kernels sample
+  std::uint64_t max_image_bytes = 0;                              // limit for all layers of such an image
   std::uint32_t max_sampled = 0;                                  // texel buffers and images of a shader
   std::uint32_t max_storage = 0;                                  // storage buffers of a shader
   double timestamp_period_ns = 0.0;                               // 0 = the queue has no timestamps
-  std::uint32_t timestamp_bits = 64;                              // that count; above them timestamps hold nothing
+  std::uint32_t timestamp_bits = 64;                              // valid bits of a timestamp
   bool rasterizes = false;                                        // its queue takes graphics work as well
-  bool draws_slowly = false;                                      // beside what it computes: see draws_slowly()
+  bool draws_slowly = false;                                      // slower than computing: see draws_slowly()
   bool has_ray_queries = false;                                   // VK_KHR_ray_query
-  std::uint64_t max_query_triangles = 0, max_query_instances = 0; // of a structure for ray queries
+  std::uint64_t max_query_triangles = 0, max_query_instances = 0; // limits of a structure for ray queries
   // llvmpipe (Mesa 22.3, 25.0): a dispatch is done when the next command begins. But once anything was rasterized, a
   // timestamp is taken at the next flush, which a barrier causes.
   bool dispatches_at_once = false;

@@ -42,14 +42,14 @@ VkFormat vulkan_format(ImageFormat format);
 bool has_depth(ImageFormat format);
 bool has_stencil(ImageFormat format);
 bool holds_integers(ImageFormat format);
-std::uint32_t texel_bytes(ImageFormat format, Aspect aspect = Aspect::main); // in a buffer that is copied to or from
+std::uint32_t texel_bytes(ImageFormat format, Aspect aspect = Aspect::main); // bytes of a texel in a buffer of a copy
 
 // In the order of VkCompareOp.
 enum class Compare { never, less, equal, less_or_equal, greater, not_equal, greater_or_equal, always };
 enum class Filter { nearest, linear };
 enum class Address { clamp, repeat, border_zero, border_one };
 
-// How a kernel samples an image. With `compare` the kernel declares a shadow sampler, which yields the fraction of
+// Sampling of an image by kernels. With `compare` the kernel declares a shadow sampler, which returns the fraction of
 // texels of the filter's footprint for which "reference COMPARE depth" holds.
 struct Sampling {
   Filter filter = Filter::nearest;
@@ -69,7 +69,7 @@ struct ImageInfo {
   std::uint32_t width = 0, height = 0, layers = 1;
   bool attachment = false; // rasterization draws into it
   bool sampled = false;    // kernels sample it
-  bool is_array = false;   // as an array, though it may have a single layer
+  bool is_array = false;   // sampled as an array, even with a single layer
 };
 
 // A rectangle of an image, and where its copy is in a buffer: its first byte, and the texels from row to row.
@@ -127,7 +127,7 @@ private:
   VkImage image_ = VK_NULL_HANDLE;
   Memory memory_;
   std::vector<VkImageView> layer_views_;
-  std::array<VkImageView, 2> sampled_views_{}; // by Aspect
+  std::array<VkImageView, 2> sampled_views_{}; // indexed by Aspect
 };
 
 } // namespace wavepath

@@ -22,7 +22,7 @@ public:
   // that asks for what another one makes waits for it. Throws what making threw, and tries again the next time.
   VkPipeline of(std::vector<std::uint32_t> key, const std::function<VkPipeline()>& make);
 
-  // All pipelines; none is asked for any more.
+  // Destroys all pipelines, which must not be used any more.
   void destroy(VkDevice device);
 
 private:

@@ -17,7 +17,7 @@
 
 namespace wavepath {
 
-// How kernels see a buffer: as uniform block, storage block, or texels of a format; or how they see an image.
+// Kinds of bindings: a buffer as uniform block, storage block or texels of a format; or an image.
 enum class BindingKind {
   uniform,
   storage,
@@ -37,9 +37,9 @@ constexpr bool is_texels(BindingKind kind) {
 struct Binding {
   std::uint32_t slot = 0;
   BindingKind kind = BindingKind::storage;
-  const Buffer* buffer = nullptr;     // of all kinds but sampled_image
-  const DeviceImage* image = nullptr; // of sampled_image
-  Aspect aspect = Aspect::main;       // of the image
+  const Buffer* buffer = nullptr;     // for all kinds but sampled_image
+  const DeviceImage* image = nullptr; // for sampled_image
+  Aspect aspect = Aspect::main;       // aspect of the image
   Sampling sampling{};
   // For texels, which kernels read as storage blocks if DeviceInfo::has_few_texels. `is_small`: they stay texels,
   // because they are few on any device or leave the block to others. `words`: binding of the storage block over the
@@ -151,7 +151,7 @@ private:
   Device* device_;
   std::string name_;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
-  bool is_kept_ = false; // by the device
+  bool is_kept_ = false; // true: the device owns the pipeline
 };
 
 } // namespace wavepath

@@ -26,8 +26,8 @@ struct ClearValue {
   std::uint32_t stencil = 0;
 };
 
-// One list of these declares a target and the pipelines that draw into it. The fragment shader's output i is the i-th
-// colour attachment; at most one format has depth.
+// An attachment. A list of these declares a target and the pipelines that draw into it. Output i of the fragment shader
+// is colour attachment i; at most one format has depth.
 struct AttachmentInfo {
   const char* name = ""; // for error messages
   ImageFormat format = ImageFormat::rgba32f;
@@ -116,8 +116,8 @@ inline constexpr std::uint32_t kClearNothing = 0, kClearColour = 1, kClearDepth 
 
 struct RasterPass {
   std::span<const RasterDraw> draws; // in order
-  std::uint32_t clear = kClearAll;   // what is not cleared keeps what earlier passes drew
-  std::uint32_t layer = 0;           // of all attachments
+  std::uint32_t clear = kClearAll;   // attachments to clear; the others keep their contents
+  std::uint32_t layer = 0;           // layer of all attachments
 };
 
 class RasterTarget {
@@ -135,7 +135,7 @@ public:
   // The image of an attachment, by its index in the list. DeviceImage::copy_to() records a read-back.
   DeviceImage& image(std::size_t attachment) { return *images_[attachment]; }
   const DeviceImage& image(std::size_t attachment) const { return *images_[attachment]; }
-  std::uint64_t bytes() const; // of the images that the target owns
+  std::uint64_t bytes() const; // memory of the images that the target owns
 
 private:
   VkRenderingAttachmentInfo rendering_info(std::size_t attachment, const RasterPass& pass, std::uint32_t clear) const;
@@ -144,7 +144,7 @@ private:
   VkExtent2D size_;
   std::vector<AttachmentInfo> attachments_;
   std::vector<std::unique_ptr<DeviceImage>> owned_;
-  std::vector<DeviceImage*> images_; // by attachment
+  std::vector<DeviceImage*> images_; // for each attachment
 };
 
 } // namespace wavepath

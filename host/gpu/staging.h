@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// Any thread may call. Every call waits for what was submitted to the queue before it, and for its own copy.
+// Copies. Every call waits for all earlier work of the queue and for its own copy. Safe to call from several threads.
 class Staging {
 public:
   explicit Staging(Context& context);
@@ -21,7 +21,7 @@ public:
 
   void write(VkBuffer to, std::uint64_t offset, const void* data, std::uint64_t bytes);
   void read(VkBuffer from, std::uint64_t offset, void* data, std::uint64_t bytes);
-  void fill_zero(VkBuffer buffer, std::uint64_t bytes); // of its beginning, a multiple of 4
+  void fill_zero(VkBuffer buffer, std::uint64_t bytes); // clears the first `bytes` bytes, a multiple of 4
 
 private:
   void grow(std::uint64_t bytes);
@@ -32,8 +32,8 @@ private:
   Context& context_;
   std::mutex mutex_; // guards everything below
   VkBuffer buffer_ = VK_NULL_HANDLE;
-  Memory memory_;           // of the buffer, mapped
-  std::uint64_t bytes_ = 0; // as large as the largest copy so far, up to a limit
+  Memory memory_;           // mapped memory of the buffer
+  std::uint64_t bytes_ = 0; // size: the largest copy so far, up to a limit
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;

@@ -48,8 +48,7 @@ void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 d
   camera_ray(position, origin, direction);
   if (kLens == kLensPinhole) return;
   vec3 lens = sample_lens(sample_2d(path_sampler, kDimensionLens));
-  float along = dot(direction, frame.camera_forward); // distance along the view axis, for each unit of the ray through
-                                                      // the middle of the lens
+  float along = dot(direction, frame.camera_forward); // component of the middle ray along the view axis
   direction = normalize(direction * (frame.focus_distance / along) - lens);
   origin += lens;
 }

@@ -33,11 +33,10 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Whether the latest vertex of the camera path can be connected to the one before it: to the camera itself, or to a
-// surface.
+// True if the latest vertex of the camera path can be connected to the one before it, which is the camera or a surface.
 bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSplat : kTechniqueConnect); }
 
-// Of the light that a segment from v carries when it leaves towards `wi`.
+// Transmittance for light on a segment that leaves v towards `wi`.
 vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
   if (!has(kFeatureVolume)) return vec3(1.0);
   bool crossing = is_below(v, wi) && !v.bsdf.thin;
@@ -53,8 +52,8 @@ float hit_weight(PathWeights weights, float connect_pdf, float start_pdf, float 
   return 1.0 / (1.0 + to_light + square(start_pdf) * (weights.others + merged));
 }
 
-// Whether what the path met could have been found from the vertex before it, by a choice of lights that goes by that
-// vertex.
+// True if the light that the path met could have been found from the vertex before, by a selection of lights that
+// depends on that vertex.
 bool was_chosen_there(PathWeights weights) {
   return uses_light_tree() && wave.bounce > 0u && weights.connect > 0.0;
 }
@@ -85,7 +84,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
   return true;
 }
 
-// What a light vertex gives the path through v unless something is between, and where it is.
+// Light that a light vertex gives the path through v unless something is between; and its position.
 vec3 connect_to_vertex(Vertex v, LightVertex at, uint slot, PathWeights weights, out Surface target) {
   target = fetch_surface(Hit(at.triangle, at.instance, at.b1, at.b2));
   vec3 offset = target.position - v.surface.position;

@@ -26,10 +26,10 @@ GPU_CONSTANT uint kTechniqueMerge = 1u << 4;   // it ends near a vertex of a lig
 GPU_CONSTANT uint kTechniquesAll = 31u;
 
 struct BidirectionalFrame {
-  vec3 scene_centre; // of a sphere that holds the geometry
+  vec3 scene_centre; // centre of a sphere around the geometry
   float scene_radius;
   float pixel_area;  // orthographic: of a pixel; perspective: of a pixel at unit distance along the view axis
-  float light_paths; // that a sample of all pixels traces
+  float light_paths; // number of light paths for one sample of all pixels
   uint techniques;
   uint lamps_in_bodies; // 1: the box of a body holds a lamp
 };
@@ -37,12 +37,12 @@ GPU_CHECK(sizeof(BidirectionalFrame) == 32);
 
 // Sums of the weights of other techniques relative to the one at hand (Georgiev 2012), up to the latest vertex.
 struct PathWeights {
-  float connect; // of connecting the latest vertex to the one before it: dVCM
-  float others;  // of all that meet before that, over the density of the direction back from the latest vertex: dVC
+  float connect; // sum for connecting the latest vertex to the one before it (dVCM of Georgiev 2012)
+  float others;  // sum for all earlier connections, over the density of the direction back from the latest vertex (dVC)
 };
 GPU_CHECK(sizeof(PathWeights) == 8);
 
-// Where light arrived. Its surface is fetched anew from the hit.
+// A light vertex: where light arrived. Its surface is fetched again from the hit.
 struct LightVertex {
   vec3 direction; // back along the light path, unit length
   uint bounce;    // surfaces that the light has met, this one included
@@ -63,11 +63,11 @@ GPU_CHECK(sizeof(LightVertex) == 64);
 struct Connection {
   vec3 origin;
   uint slot;
-  vec3 direction; // to the light vertex, not normalized: t in (0,1)
-  uint triangle;  // of the light vertex
+  vec3 direction; // vector to the light vertex, not normalized: t in (0,1)
+  uint triangle;  // triangle of the light vertex
   vec3 contribution;
-  uint instance; // of that triangle
-  uint pixel;    // in tile order, that gains it; unused where the slot's path does
+  uint instance; // instance of that triangle
+  uint pixel;    // pixel, in tile order, that gains the light; unused if the slot's path gains it
   uint pad0;
   uint pad1;
   uint pad2;

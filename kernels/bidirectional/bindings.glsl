@@ -1,4 +1,5 @@
-// What bidirectional kernels share besides paths, each group for kernels that define its macro before the include.
+// Bindings of the bidirectional kernels besides those of paths; each group for kernels that define its macro before the
+// include.
 #ifndef WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 #define WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 

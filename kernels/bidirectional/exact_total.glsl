@@ -8,7 +8,7 @@ const float kLargestTerm = 1.8446744e19; // 2^64: 2^63 of them and more fit
 // Words from the lowest on. `value` is not negative and below kLargestTerm.
 void add_exact(inout uvec4 total, float value) {
   uint bits = floatBitsToUint(value);
-  int shift = int(bits >> 23u) - 90; // of the mantissa's last bit: 127 + 23 - 60
+  int shift = int(bits >> 23u) - 90; // exponent of the mantissa's last bit: 127 + 23 - 60
   uint mantissa = (bits & 0x7fffffu) | 0x800000u;
   if (shift <= -24) return; // below the unit; zero too
   if (shift < 0) {

@@ -17,7 +17,7 @@
 #include "kernels/path/records.glsl"
 
 Sampler path_sampler;
-float nearest_unlit; // that the ray has met
+float nearest_unlit; // nearest unlit surface that the ray has met
 
 // Light passes unlit surfaces; but those on the way to a mirror are seen in it, and hide the light.
 bool passes(Hit hit, float t) {
@@ -33,8 +33,8 @@ bool passes(Hit hit, float t) {
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Where all rays of camera paths pass single-sided surfaces from behind (--cull all), light that meets the front of one
-// is seen both there and by what lies behind it; so it passes at random.
+// Probability that light passes the front of a single-sided surface, if all rays of camera paths pass it from behind
+// (--cull all). Such light is seen both there and by surfaces behind, so it passes at random.
 const float kPassing = 1.0 / 8.0;
 
 bool is_passable(Hit hit, Surface surface, vec3 direction) {

@@ -31,7 +31,7 @@ void main() {
   LightStart start;
   bool shines = start_light_path(light_sampler(slot), start);
   bool sound = is_finite(start.origin) && is_finite(start.direction) && is_finite(start.light);
-  float t_max = shines && sound ? kFar : 0.0; // which meets nothing
+  float t_max = shines && sound ? kFar : 0.0; // t_max 0 meets nothing
   store_ray(frame.slot_count + slot, Ray(start.origin, slot, start.direction, t_max));
   store_path(slot, PathState(vec3(1.0),
                              start.distant               ? 0.0

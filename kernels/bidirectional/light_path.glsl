@@ -11,8 +11,8 @@
 // pixels, those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is
 // stratified however few a pixel's own are.
 //
-// Those of photons belong to no pixel at all: a wave of them counts its paths by `first_pixel`, and has a sample number
-// for each map and replicate.
+// True if the light paths carry photons. They belong to no pixel: their wave counts them by `first_pixel`, and has a
+// sample number for each map and replicate.
 bool traces_photons() { return wave.first_film_pixel == kNone; }
 
 Sampler light_sampler(uint slot) {
@@ -46,10 +46,10 @@ struct LightStart {
   vec3 origin;
   vec3 direction;
   vec3 light; // radiance times cosine (or intensity, or irradiance) over the density of all choices
-  float inverse_range; // of the light, see range_window()
+  float inverse_range; // inverse range of the light, see range_window()
   PathWeights weights;
   bool distant;
-  uint index; // of the light
+  uint index; // index of the light
 };
 
 // Density per solid angle of directions from a triangle: cosine-weighted, on both sides if both shine.
@@ -58,7 +58,7 @@ float triangle_direction_pdf(Material material, float cosine) {
   return warp_cosine_hemisphere_pdf(cosine) * (both ? 0.5 : 1.0);
 }
 
-// Of directions from a point or spot light.
+// Cosine of the cone of directions from a point or spot light.
 float cone_cosine(Light light) { return light.kind == kLightSpot ? -light.spot_offset / light.spot_scale : -1.0; }
 float cone_pdf(Light light) { return 0.5 * kInvPi / (1.0 - cone_cosine(light)); }
 
@@ -118,7 +118,8 @@ void start_at_infinity(vec3 to_light, vec2 u_position, inout LightStart start) {
 bool start_light_path(Sampler path_sampler, out LightStart start) {
   start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, PathWeights(0.0, 0.0), false, 0u);
   uvec2 u_light = sample_bits(path_sampler, kDimensionLight);
-  vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the position
+  vec2 u = sample_2d(path_sampler, kDimensionDirection); // random numbers of the direction; of the position if the
+                                                         // direction is the light's
   start.index = pick_light(u_light);
   Light light = fetch_light(start.index);
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) {

@@ -73,7 +73,8 @@ int pick_weighted(vec3 weights, float total, float u) {
   return rest < weights.x ? 0 : rest < weights.x + weights.y || weights.z <= 0.0 ? 1 : 2;
 }
 
-// One of the pixels whose filter reaches the position, and its filter over the probability of being picked; 0 for none.
+// Picks one of the pixels whose filter reaches the position. Returns its filter value over the probability of the pick;
+// 0 for none.
 float pick_pixel(vec2 position, vec2 u, out uvec2 pixel) {
   vec2 cell = floor(position);
   vec3 x = axis_weights(position.x, cell.x, frame.width), y = axis_weights(position.y, cell.y, frame.height);
@@ -102,7 +103,8 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
   vec3 value = scatter_value(seen, v.wo, forward, reverse);
   if (!(max_component(value) > 0.0)) return false;
   float camera_pdf = camera_pdf_area(v.surface.position - origin, cosine);
-  bool connects = wave.bounce == 1u || uses_technique(kTechniqueConnect); // to the light itself: `connect` holds that
+  // a connection to the light itself, which PathWeights::connect describes
+  bool connects = wave.bounce == 1u || uses_technique(kTechniqueConnect);
   float weight = 1.0 / (1.0 + nearer(weights, camera_pdf / bidirectional.light_paths, forward, connects));
   c.contribution = light * value * (camera_pdf * filter_weight * weight);
   if (has(kFeatureVolume)) c.contribution *= medium_transmittance(body_at_eye(), length(v.surface.position - origin));

@@ -9,7 +9,7 @@
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/records.glsl"
 
-// Where the ray met a surface; `cosine` to it. False if no camera path would find the light there.
+// Vertex where the ray met a surface; `cosine`: of the ray there. False if no camera path would find the light there.
 bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out float cosine, out PathWeights weights) {
   if (hit.triangle == kNone) return false;
   Surface surface = fetch_surface(hit);

@@ -1,4 +1,4 @@
-// What a camera path remembers of merging: whether it may still merge, and the weight of having merged. Include
+// State of merging along a camera path: whether it may still merge, and the weight of having merged. Include
 // bindings.glsl with BIND_MERGE_WEIGHTS first.
 //
 // Paths that merge are those in which delta lobes and others take turns, beginning and ending with delta lobes: two
@@ -36,11 +36,11 @@ float merge_scattered_delta(float merge, float cosine, float ratio) {
   return merge > 0.0 ? min(1e30, merge * square(cosine * ratio)) : merge;
 }
 
-// Where the path met a light; `bsdf_pdf` of its last edge is negative after a delta lobe, without which photons are not
-// kept.
+// Weight where the path met a light. `bsdf_pdf`: of its last edge, negative after a delta lobe, without which photons
+// are not kept.
 float merge_met_light(float merge, float bsdf_pdf) { return bsdf_pdf < 0.0 ? max(merge, 0.0) : 0.0; }
 
-// Of what a photon brings to a camera path that meets its direction with density `forward`.
+// Weight of a photon's light for a camera path that arrives there with density `forward` of its direction.
 float photon_weight(Photon photon, float forward) {
   return 1.0 / (1.0 + photon.others * square(forward / photon_frame.density));
 }

@@ -23,7 +23,7 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Whether the photon is on the same piece of surface as v: within the radius, in a flat disk around it, facing the same
+// True if the photon is on the same piece of surface as v: within the radius, in a flat disk around v, facing the same
 // way.
 bool is_near(Vertex v, Photon photon) {
   const float kFlat = 0.25, kSameDirection = 0.8;
@@ -56,7 +56,7 @@ vec3 gather(Vertex v, uint replicate) {
   do {
     bool found = false;
     Photon photon;
-    do { // on to the next photon that counts, so that the lanes evaluate side by side
+    do { // advance to the next photon that counts, so that lanes evaluate photons at the same time
       if (next == 0u) {
         if (cells < 8u) next = list_of(lowest, cells, replicate, cell);
         ++cells;

@@ -111,7 +111,7 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
                 Photon(v.surface.position, packSnorm4x8(vec4(v.surface.geometric_normal, 0.0)), v.wo,
                        wave.bounce << kPhotonBounceShift, light, weights.others),
                 sample_2d(path_sampler, dimension + kDimensionLight).x);
-    if (!lobes.delta_reflection) { // else vertex_sample() makes the same choice by the same number
+    if (!lobes.delta_reflection) { // with a delta reflection, vertex_sample() makes the same choice by the same number
       path.throughput /= 1.0 - go;
       u = left;
     }

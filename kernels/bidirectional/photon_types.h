@@ -33,7 +33,7 @@ GPU_CHECK(sizeof(PhotonFrame) == 32);
 
 struct Photon {
   vec3 position;
-  uint normal;    // of the geometry, packSnorm4x8
+  uint normal;    // geometric normal, packSnorm4x8
   vec3 direction; // back along the light path, unit length
   uint link;  // surfaces met, this one included, << kPhotonBounceShift | index of the next photon of the cell + 1; 0 =
               // none
@@ -45,8 +45,8 @@ GPU_CONSTANT uint kPhotonBounceShift = 20u, kPhotonIndexMask = (1u << kPhotonBou
 GPU_CONSTANT uint kMostPhotonBounces = 4095u;
 
 struct PhotonCell {
-  uint count; // of photons that arrived
-  uint first; // of those kept: index + 1
+  uint count; // number of photons that arrived
+  uint first; // index + 1 of the first photon that was kept
 };
 GPU_CHECK(sizeof(PhotonCell) == 8);
 

@@ -1,12 +1,12 @@
-// Surfaces as receivers of light: what next-event estimation goes by at them, as both ends of a path have to know it.
-// Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_RECEIVERS first.
+// Receivers of light: the data of a surface by which next-event estimation selects lights, which both ends of a path
+// must know. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_RECEIVERS first.
 #ifndef WAVEPATH_BIDIRECTIONAL_RECEIVER_GLSL
 #define WAVEPATH_BIDIRECTIONAL_RECEIVER_GLSL
 
 #include "kernels/light/light_selection.glsl"
 #include "kernels/surface/vertex.glsl"
 
-// With the normal of the geometry: that of shading is held towards whoever looks, so that the two ends of a path would
+// Uses the geometric normal: the shading normal is turned towards the viewer, so that the two ends of a path would
 // disagree. No light comes from below either (see sides_agree()).
 uvec4 receiver_words_of(Vertex v) {
   vec3 facing = v.front ? v.surface.geometric_normal : -v.surface.geometric_normal;

@@ -36,8 +36,8 @@ PathWeights scattered_delta(PathWeights w, float cosine, float ratio) {
   return bounded(PathWeights(0.0, w.others * square(cosine * ratio)));
 }
 
-// Of the techniques that meet nearer to this end than the edge that leaves it, relative to meeting there: `density` per
-// area with which the other end would find the latest vertex, `reverse` as above.
+// Sum over the techniques that meet nearer to this end than the edge that leaves it, relative to meeting at that edge.
+// `density`: per area, with which the other end would find the latest vertex. `reverse`: as above.
 float nearer(PathWeights w, float density, float reverse, bool connects) {
   return square(density) * ((connects ? w.connect : 0.0) + w.others * square(reverse));
 }

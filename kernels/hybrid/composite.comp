@@ -31,7 +31,7 @@ vec3 position_at(uvec2 pixel, float depth) {
   return origin + direction * (depth / dot(direction, frame.camera_forward));
 }
 
-// What the G-buffer keeps no place for.
+// Computes the surface AOVs that the G-buffer does not store.
 void describe_surface(uvec2 pixel, uint pixel_index, inout PathAovs aovs) {
   aovs.roughness = aovs.metallic = 0.0;
   uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;

@@ -1,4 +1,4 @@
-// What the denoiser's kernels share: their data, and which pixels are of one surface.
+// Data of the denoiser's kernels, and the test of whether pixels show the same surface.
 //
 // A pixel's `shape` is packed into three words: normal, disparity, surface. Disparity is 1 / depth for perspective
 // cameras and depth for orthographic ones, because that is linear across the picture of a plane. 0 = nothing is seen.
@@ -64,13 +64,13 @@ float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
   return slope == kFar ? 0.0 : slope;
 }
 
-// What the disparity of a plane may differ by from one pixel to the next before it counts as another plane: that of a
-// curved surface does, and slopes are estimates.
+// Difference of a plane's disparity from one pixel to the next above which it counts as another plane. It is not 0,
+// since surfaces are curved and slopes are estimates.
 const float kDisparitySlack = 2e-3;
 
-// How well a tap `offset` pixels away continues the surface at the centre: SVGF's weights of depth (but from the
-// tangent plane rather than from the centre) and normal, with its powers. It counts weight * exp(-distance). Surfaces
-// and the sky never mix.
+// Similarity of a tap `offset` pixels away to the surface at the centre: SVGF's weights of depth (relative to the
+// tangent plane, not to the centre) and normal, with its exponents. The tap's weight is weight * exp(-distance).
+// Surfaces and the sky never mix.
 struct Likeness {
   float weight;
   float distance;

@@ -46,7 +46,7 @@ void main() {
   bvec2 young = bvec2(kWantDirect && lengths.x < kEnoughFrames, kWantOcclusion && lengths.y < kEnoughFrames);
   vec2 slope = uintBitsToFloat(texelFetch(slope_texels, index).xy);
   vec2 spatial = spatial_variance(pixel, here, moments, slope, seen(here) && any(young));
-  // Of the mean: s^2 / n, where s^2 is unbiased with n - 1 frames.
+  // Variance of the mean: s^2 / n, where s^2 is unbiased with n - 1 frames.
   vec2 frames_known = vec2(max(lengths, 1u));
   vec2 variance = mix(moments.yw / vec2(max(lengths, 2u) - 1u), spatial / frames_known * (4.0 / frames_known), young);
   guide_out[index] = uvec4(here.xyz, pack_errors(sqrt(variance), greaterThan(lengths, uvec2(0u))));

@@ -1,4 +1,4 @@
-// What filters over space and time work on.
+// Inputs of filters over space and time.
 #ifndef WAVEPATH_FILTER_TYPES_H
 #define WAVEPATH_FILTER_TYPES_H
 
@@ -13,9 +13,9 @@ struct CameraView {
   vec3 position;
   uint orthographic;
   vec3 right;
-  float jitter_x; // from the pixel's centre, in pixels, to the right
+  float jitter_x; // offset from the pixel's centre in pixels, to the right
   vec3 up;
-  float jitter_y; // and downwards
+  float jitter_y; // offset from the pixel's centre in pixels, downwards
   vec3 forward;
   float pad0;
 };
@@ -48,7 +48,7 @@ GPU_CONSTANT uint kFilterColorIn = 2u;       // texels RGBA32F
 GPU_CONSTANT uint kFilterColorOut = 3u;      // storage vec4[]
 GPU_CONSTANT uint kFilterHistoryBefore = 4u; // texels RGBA32F
 GPU_CONSTANT uint kFilterHistoryNow = 5u;    // storage vec4[]
-// Of the denoiser alone, see kernels/denoise.glsl.
+// Bindings of the denoiser alone, see kernels/hybrid/denoise.glsl.
 GPU_CONSTANT uint kFilterShapesBefore = 6u; // texels RGBA32UI: packed shape, frames in the history
 GPU_CONSTANT uint kFilterShapesNow = 7u;    // storage uvec4[]
 GPU_CONSTANT uint kFilterShapes = 8u;       // texels RGBA32UI: the same memory, for reading
@@ -60,7 +60,7 @@ GPU_CONSTANT uint kFilterGuideIn = 12u;       // texels RGBA32UI: packed shape, 
 GPU_CONSTANT uint kFilterGuideOut = 13u;      // storage uvec4[]
 GPU_CONSTANT uint kFilterSlopes = 14u;        // storage vec2[]: change of disparity from pixel to pixel
 GPU_CONSTANT uint kFilterSlopeTexels = 15u;   // texels RG32UI: the same memory, for reading
-// Of filters of edges, see kernels/hybrid/antialias.
+// Bindings of filters of edges, see kernels/hybrid/antialias.
 GPU_CONSTANT uint kFilterEdges = 16u; // storage uint[]
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// Where a triangle's corner lies in the clip space of a hybrid frame, and which sides of the triangle are not there.
+// Clip-space position of a triangle's corner in a hybrid frame, and the sides of the triangle that are not there.
 // Include bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
 #ifndef WAVEPATH_FRAME_CORNER_GLSL
 #define WAVEPATH_FRAME_CORNER_GLSL
@@ -19,13 +19,13 @@ uint hidden_sides_of(uint triangle, uint instance) {
 // Reversed z: near / depth has the same relative precision at every depth, which floats then keep.
 float clip_depth(float depth) { return is_orthographic() ? 1.0 - depth / hybrid.far : hybrid.near / depth; }
 
-// In device world.
+// Position of a corner in the device's world space.
 vec3 corner_position(uint triangle, uint corner, uint instance) {
   vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner)).xyz;
   return has(kFeatureInstances) && frame.root_is_top != 0u ? transform_point(instance * kInstanceTexels + 3u, p) : p;
 }
 
-// Of the point q / w, relative to the eye; w = 0: in the direction of q at infinity.
+// Clip-space position of the point q / w, relative to the eye; w = 0: infinitely far in the direction of q.
 vec4 clip_point(vec3 q, float w) {
   // The inverse of camera_ray(): right, up and forward are at right angles.
   vec2 position = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),

@@ -1,5 +1,5 @@
-// What all kernels of a hybrid frame share: the camera ray of a pixel and its random numbers. Include bindings.glsl
-// with BIND_HYBRID first.
+// Camera ray and random numbers of a pixel, for all kernels of a hybrid frame. Include bindings.glsl with BIND_HYBRID
+// first.
 #ifndef WAVEPATH_HYBRID_GLSL
 #define WAVEPATH_HYBRID_GLSL
 
@@ -11,7 +11,7 @@ void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {
   camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
 }
 
-// That of the pixel's path in this frame.
+// Sampler of the pixel's path in this frame.
 Sampler hybrid_sampler(uvec2 pixel) {
   return make_sampler(frame.seed, pixel.y * frame.width + pixel.x, hybrid.sample_index, frame.sample_total);
 }

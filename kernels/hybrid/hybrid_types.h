@@ -29,34 +29,34 @@ GPU_CONSTANT uint kBindPositionSignals = 84u; // storage vec4[]
 // One frame of a hybrid render: every pixel is seen through the same position of its filter, so that the frame can be
 // rasterized.
 struct HybridFrame {
-  vec2 jitter;         // of that position from the pixel's centre, in pixels, x to the right and y downwards
+  vec2 jitter;         // position in the pixel, from its centre, in pixels: x to the right, y downwards
   float near;          // distance of the near plane along the view axis
-  float far;           // of the far plane, orthographic cameras only
+  float far;           // distance of the far plane; orthographic cameras only
   vec3 ambient;        // radiance that stands for all light of more than one bounce
   float ao_radius;     // metres from which on nothing occludes; kFar = unlimited
   uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
   uint flags;           // kHybrid bits
-  float ao_bias;        // of horizons over the tangent plane, radians
+  float ao_bias;        // least angle of horizons above the tangent plane, radians
   float ao_thinness;    // fraction by which what is seen behind a body lowers its horizon; 0: bodies have no back
   uint sample_position; // kHybridMultisample: of the frame among kMultisamplePositions
-  uint first_position;  // from which on those before it are known
+  uint first_position;  // first position for which earlier ones are known
 };
 GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
 GPU_CONSTANT uint kHybridLights = 1u << 0;      // direct light is wanted
 GPU_CONSTANT uint kHybridAmbient = 1u << 1;     // the ambient term is wanted
 GPU_CONSTANT uint kHybridToColor = 1u << 2;     // composite leaves the frame in `seen`, for a filter,
-GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // and takes it from there
+GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // composite reads the frame from `seen`
 GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
 GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPositionIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
-GPU_CONSTANT uint kMultisamplePositions = 4u;  // in a pixel
+GPU_CONSTANT uint kMultisamplePositions = 4u;  // positions in a pixel
 GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 
-// What rasterization found, as filters need it.
+// First hit of a pixel, as filters need it.
 struct GbufferPixel {
   vec3 normal;  // shading normal, world, on the side of the eye
   float depth;  // distance along the view axis, metres; 0 = nothing was seen

@@ -1,5 +1,5 @@
-// The unoccluded fraction: the cosine-weighted fraction of the directions above a surface not blocked within ao_radius.
-// unoccluded fraction = 1 - that.
+// Traces ambient occlusion: the cosine-weighted fraction of the directions above a surface that are blocked within
+// ao_radius. unoccluded fraction = 1 - that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -57,7 +57,8 @@ float unoccluded(Hit hit, vec3 normal, vec3 wo, uint pixel_index) {
 void main() {
   uint local = gl_GlobalInvocationID.x;
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
-  if (local < wave.pixel_count) hit = fetch_hit(local); // of the pixel's first light sample; all have the same
+  if (local < wave.pixel_count) hit = fetch_hit(local); // hit of the pixel's first light sample; all samples have the
+                                                        // same
   count_rays(hit.triangle != kNone);
   if (local >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(local);

@@ -12,7 +12,7 @@ void main() {
   vec3 position;
   float depth;
   if (!visible_point(position, depth)) return;
-  // As far as a bias may move the point, and what rounding may.
+  // Distance by which a bias or rounding may move the point.
   float reach = 1.0 + (shadow.bias_kind == kBiasNormal ? shadow.bias : 0.0);
   for (uint index = 0u; index < shadow.view_count; ++index) {
     ShadowView v = fetch_shadow_view(index);

@@ -16,8 +16,8 @@
 
 layout(location = 0) flat in uint triangle;
 layout(location = 1) flat in uint instance;
-layout(location = 2) in vec3 position; // of the caster, device world
-layout(location = 3) in float height;  // of the caster above the plane
+layout(location = 2) in vec3 position; // position of the caster, device world space
+layout(location = 3) in float height;  // height of the caster above the plane
 layout(location = 0) out uint in_shadow;
 
 bool is_on_plane(PlanarPair pair, uvec2 pixel) {
@@ -38,7 +38,7 @@ bool is_passed_through(PlanarPair pair, uvec2 pixel) {
 void main() {
   PlanarPair pair = fetch_planar_pair(wave.first_pixel);
   uvec2 pixel = uvec2(gl_FragCoord.xy);
-  // What is beneath the plane would cast a false shadow.
+  // Casters below the plane would cast a false shadow.
   if (height <= pair.tolerance || !is_on_plane(pair, pixel) || is_passed_through(pair, pixel)) discard;
   in_shadow = 1u;
 }

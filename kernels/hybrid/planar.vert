@@ -16,8 +16,8 @@
 
 layout(location = 0) flat out uint triangle;
 layout(location = 1) flat out uint instance;
-layout(location = 2) out vec3 position; // of the caster, device world
-layout(location = 3) out float height;  // of the caster above the plane
+layout(location = 2) out vec3 position; // position of the caster, device world space
+layout(location = 3) out float height;  // height of the caster above the plane
 
 void main() {
   triangle = uint(gl_VertexIndex) / 3u;
@@ -25,7 +25,7 @@ void main() {
   position = placed_corner(triangle, instance, uint(gl_VertexIndex) % 3u);
   PlanarPair pair = fetch_planar_pair(wave.first_pixel);
   height = height_above(pair, position);
-  if (is_of_plane(pair, triangle, instance)) { // which receives: no caster, so it covers nothing
+  if (is_of_plane(pair, triangle, instance)) { // a receiver, no caster: it covers nothing
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }

@@ -1,4 +1,4 @@
-// What filters over time share: which pixel a lane works on, and where the point that it shows lay in the frame before.
+// Functions of filters over time: the pixel of a lane, and the position of its point in the frame before.
 //
 // Cameras move and the scene is static, so the depth and the two cameras determine the motion.
 #ifndef WAVEPATH_REPROJECT_GLSL
@@ -42,8 +42,8 @@ vec3 shown_at(CameraView view, vec3 offset) {
   return vec3((xy * scale * vec2(1.0, -1.0) + 1.0) * 0.5 * vec2(picture_size()), depth);
 }
 
-// Where what `pixel` shows in `depth` (0 = infinitely far) lay in the frame before: whole numbers are centres of
-// pixels. z: its depth then.
+// Position in the frame before of the point that `pixel` shows in `depth` (0 = infinitely far); centres of pixels are
+// whole numbers. z: its depth there.
 //
 // A pixel stands for its whole area, of which each frame samples one position; so jitter is no motion. While the camera
 // stands still, history stays in its pixel and is not blurred by resampling.

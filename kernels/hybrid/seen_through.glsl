@@ -1,4 +1,4 @@
-// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as
+// Surfaces that the camera sees through in a hybrid frame, besides holes: BLEND surfaces, or those that transmit, as
 // --transparency says. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
 #ifndef WAVEPATH_SEEN_THROUGH_GLSL
 #define WAVEPATH_SEEN_THROUGH_GLSL
@@ -22,12 +22,12 @@ bool is_blended(Hit hit) {
   return (fetch_material(packed & kTriangleMaterialMask).flags & kMaterialBlend) != 0u;
 }
 
-// Of triangles without alpha too; rasterized frames alone ask.
+// True if the surface is a layer of glass, also of triangles without alpha; only rasterized frames ask.
 bool is_layer_of_glass(uint packed) {
   return (hybrid.flags & kHybridRefractive) != 0u && fetch_material(packed & kTriangleMaterialMask).transmission > 0.0;
 }
 
-// Whether the camera ray of the pixel passes through the hit: by chance, unless a technique says otherwise.
+// True if the camera ray of the pixel passes through the hit: at random, unless a technique says otherwise.
 bool is_seen_through(Hit hit, uvec2 pixel) {
   uint technique = hybrid.flags & (kHybridLayers | kHybridScreendoor);
   if (technique == 0u || !is_blended(hit)) return is_hole(hit, hybrid_sampler(pixel), kHashExtend);

@@ -51,7 +51,8 @@ bool is_unbending_wall(Bsdf b) {
   return has(kFeatureTransmission) && !b.thin && b.ior == 1.0 && b.transmission > 0.0 && !has_cover(b);
 }
 
-// What passes either at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
+// Transmittance of either at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its
+// draws.
 vec3 pane_transmittance(Bsdf b, float c) { return facet_transmittance(b, surface_of(b), c); }
 
 // Probability of reflecting rather than transmitting at the microfacet.
@@ -77,7 +78,7 @@ bool is_body(Bsdf b) { return has(kFeatureTransmission) && !b.thin && b.transmis
 uint own_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? 0u : kTableTexels); }
 uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? kTableTexels : 0u); }
 
-// Its lobes for wo.
+// Adds its lobes for wo.
 void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout LobeWeights weights) {
   if (!has_lobe(kLobeMultiple) || l.delta_reflection || b.ggx_table == kNone) return;
   if (is_stretched(b)) return; // no table has stretched facets: any round one returns too much
@@ -152,7 +153,7 @@ vec3 eval_diffuse(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   return kMicrofacets ? value * base_passes(b, l.surface, wi.z) : value;
 }
 
-// Of the wide lobes that go through the surface: of a diffuse base, and of rough glass.
+// Value of the wide lobes that go through the surface: of a diffuse base, and of rough glass.
 vec3 eval_through(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   pdf = 0.0;
   if (!kThrough || l.through <= 0.0) return vec3(0.0);
@@ -160,7 +161,7 @@ vec3 eval_through(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(mu);
   vec3 value = eval_diffuse_through(b, l, mu);
   if (has_lobe(kLobeMultiple) && max_component(l.multiple_through) > 0.0) {
-    float scale = b.thin ? 1.0 : 1.0 / (l.surface.eta * l.surface.eta); // of radiance
+    float scale = b.thin ? 1.0 : 1.0 / (l.surface.eta * l.surface.eta); // scale of radiance
     value += l.multiple_through * (facets_lack(other_table(b), wi, b.alpha) * mu * scale);
   }
   return value;
@@ -195,7 +196,7 @@ vec3 eval_refraction(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf)
   if (o <= 0.0 || i >= 0.0) return vec3(0.0); // back-facing microfacet
   vec3 transmittance = facet_transmittance(b, surface, o);
   float s = o + eta * i;
-  float jacobian = 4.0 * o * -i / max(s * s, 1e-30); // of h, over the mirror's 1 / (4 o) and over eta^2
+  float jacobian = 4.0 * o * -i / max(s * s, 1e-30); // Jacobian of h, relative to the mirror's 1 / (4 o) and to eta^2
   float reflected = reflect_probability(facet_reflectance(b, surface, o), transmittance);
   pdf = facet_reflected_pdf(b, wo, h) * (1.0 - reflected) * jacobian * eta * eta;
   return transmittance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * -wi.z * jacobian);
@@ -243,8 +244,8 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   return g2 > 0.0;
 }
 
-// Whether u falls into a fraction of the unit interval. Either way it becomes what is left of it, again in [0, 1), so
-// that points of a net that make the same choice still form a net.
+// True if u falls into a fraction of the unit interval. In both cases u becomes the rest, again in [0, 1), so that
+// points of a net that make the same choice still form a net.
 bool take_with_probability(inout float u, float probability) {
   if (probability <= 0.0) return false;
   bool taken = u < probability;
@@ -311,7 +312,7 @@ bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out B
   return true;
 }
 
-// Whether any lobe is not delta; otherwise next-event estimation finds nothing.
+// True if any lobe is not a delta lobe; otherwise next-event estimation finds nothing.
 bool bsdf_has_smooth(Bsdf b) {
   if (!kMicrofacets) return true;
   if (has_rough_cover(b)) return true;

@@ -1,4 +1,4 @@
-// What the surface model works on: a material at a point, and what has been drawn from it.
+// Types of the surface model: a material at a point, and a sample of its BSDF.
 //
 // Kernels come in two builds: with LAYERED for scenes whose materials have layers (kLobesLayered), and without, in
 // which not even the code of these is there. A driver pays for code when it compiles, whether or not a specialization
@@ -23,10 +23,10 @@ struct Bsdf {
   float specular;
   float alpha; // roughness^2
   float transmission;
-  float ior;     // of the body against vacuum; 0 = infinite
+  float ior;     // of the body relative to vacuum; 0 = infinite
   bool entering; // wo is outside of the body; ignored where thin
   bool thin;     // no volume behind the surface: light passes unbent
-  uint ggx_table, glass_table; // of albedo (kLobeMultiple); kNone: the scene has none
+  uint ggx_table, glass_table; // albedo tables (kLobeMultiple); kNone: the scene has none
 
 #ifdef LAYERED // each in kernels that have its lobe alone
   Coat coat;
@@ -52,7 +52,7 @@ struct BsdfSample {
 // passes as delta.
 const float kMinEtaStep = 1e-3;
 
-// What eval and sample share: the material as seen from wo.
+// Values that eval and sample both need: the material as seen from wo.
 struct Lobes {
   Interface surface;
   vec3 diffuse; // albedo of the base with the coupling of wo and the mean; that of wi is still missing
@@ -77,7 +77,7 @@ struct LobeWeights {
   float coat, facets, reflected, through; // the last two of wide lobes, to either side
 };
 
-// Only materials that transmit light have an inside.
+// The interface of a material as seen from its side; only materials that transmit light have an inside.
 Interface surface_of(Bsdf b) {
   return make_interface(b.ior, b.specular_color, b.specular, b.thin || b.entering || b.transmission == 0.0);
 }

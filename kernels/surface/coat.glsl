@@ -1,9 +1,9 @@
 // KHR_materials_clearcoat: a dielectric layer of ior 1.5 with a roughness and a normal of its own above everything
 // else.
 //
-// What is below is scaled by what the coat passes: of a diffuse base T(o) T(i) / mean T, as the base's own interface
-// does it (bsdf.glsl), of all else the smaller of T(o) and T(i). Both are reciprocal, and neither returns more light
-// than arrives; with one factor T(o), as glTF's appendix has it, light paths and camera paths would not agree.
+// The lobes below are scaled by the coat's transmittance: the diffuse base by T(o) T(i) / mean T, as its own interface
+// does (bsdf.glsl); all other lobes by the smaller of T(o) and T(i). Both factors are reciprocal and return no more
+// light than arrives. With the single factor T(o) of glTF's appendix, light paths and camera paths would not agree.
 #ifndef WAVEPATH_COAT_GLSL
 #define WAVEPATH_COAT_GLSL
 

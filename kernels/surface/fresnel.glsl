@@ -1,5 +1,5 @@
-// How much light an interface reflects: dielectrics exactly, with the tint of KHR_materials_specular, conductors by
-// Schlick.
+// Reflectance of an interface: exact for dielectrics, with the tint of KHR_materials_specular; Schlick's approximation
+// for conductors.
 #ifndef WAVEPATH_FRESNEL_GLSL
 #define WAVEPATH_FRESNEL_GLSL
 

@@ -1,14 +1,14 @@
-// What lies on the metallic-roughness model of bsdf.glsl, and beside it: coat over (sheen over f), films on its
-// interfaces, stretched microfacets, light that the diffuse base lets through.
-// What a layer lets pass is in coat.glsl and sheen.glsl. Of LAYERED kernels; the others include no_layers.glsl, which
-// has the same functions for materials without any of it.
+// Layers on and beside the metallic-roughness model of bsdf.glsl: coat over (sheen over f), films on its interfaces,
+// stretched microfacets, light that the diffuse base transmits. coat.glsl and sheen.glsl compute the light that a layer
+// lets pass. Only LAYERED kernels include this file; the others include no_layers.glsl, which has the same functions
+// for materials without layers.
 #ifndef WAVEPATH_LAYERS_GLSL
 #define WAVEPATH_LAYERS_GLSL
 
 #include "kernels/surface/bsdf_types.glsl"
 #include "kernels/surface/microfacet.glsl"
 
-// Of bsdf.glsl.
+// Defined in bsdf.glsl.
 vec3 dielectric_reflectance(Bsdf b, Interface surface, float c);
 float base_passes(Bsdf b, Interface surface, float mu);
 
@@ -26,7 +26,7 @@ bool has_wide_layers(Bsdf b) {
 }
 bool has_rough_cover(Bsdf b) { return (is_coated(b) && b.coat.alpha >= kMinAlpha) || has_sheen(b); }
 
-// Whether nothing lies on the diffuse base but the interface.
+// True if nothing but the interface lies on the diffuse base.
 bool has_plain_base(Bsdf b) { return !has_wide_layers(b) && (!has_lobe(kLobeIridescence) || b.film.weight == 0.0); }
 
 // Fraction of the diffuse base that stays on its side.
@@ -69,7 +69,8 @@ float film_passes(Bsdf b, Interface surface, float mu, float passes) {
 
 void clear_layers(inout Lobes l) { l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0; }
 
-// What the layers pass, and the shares that they scatter themselves. `diffuse`: fraction of the diffuse base.
+// Sets the fractions of light that the layers pass, and those that they scatter themselves. `diffuse`: fraction of the
+// diffuse base.
 void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout LobeWeights weights) {
   if (!kLayers) return;
   if (has_lobe(kLobeDiffuseTransmission)) {
@@ -95,8 +96,8 @@ void add_layers(Bsdf b, vec3 wo, float diffuse, inout Lobes l, inout LobeWeights
   }
 }
 
-// What the layers pass of light that the facets send from wo to wi, and of light that the diffuse base sends. A body's
-// directions inside are below the layers.
+// Fractions that the layers pass: of light that the facets send from wo to wi, and of light that the diffuse base
+// sends. Directions inside a body are below the layers.
 float layers_pass(Bsdf b, Lobes l, vec3 wi) {
   if (!kLayers) return 1.0;
   float passed = 1.0;
@@ -141,8 +142,8 @@ bool draw_from_coat(Bsdf b, Lobes l, vec3 wo, vec2 u, inout BsdfSample s, out bo
   return true;
 }
 
-// Of a smooth coat: adds what it mirrors to what the surface below it mirrors, if that does; one ray shows both.
-// Returns whether there is anything to mirror.
+// Adds the mirror reflection of a smooth coat to that of the surface below, if that has one; one ray serves both.
+// Returns true if there is a mirror reflection.
 bool mirror_in_coat(Bsdf b, vec3 wo, bool mirrors, inout vec3 reflectance, inout vec3 mirrored) {
   if (!is_coated(b) || b.coat.alpha >= kMinAlpha || !is_outside(b, 1.0)) return mirrors;
   float c = dot(wo, b.coat.normal);

@@ -1,11 +1,11 @@
 // Light that scatters more than once between the microfacets of a rough surface, which the single bounce of bsdf.glsl
 // loses: up to 69 % at roughness 1.
 //
-// As Kulla and Conty Estevez have it ("Revisiting Physically Based Shading at Imageworks", 2017): a lobe proportional
-// to D(o) D(i), D = 1 - directional albedo of the single bounce without absorption, which returns just what is missing
-// and is reciprocal. A body's lobe is split between the two sides s: the part that passes, t(s), obeys t(1) A(1) n(1)^2
-// = t(2) A(2) n(2)^2, A = mean of D, so that light and camera paths agree; the larger of the two t is what a smooth
-// interface passes on average.
+// After Kulla and Conty Estevez ("Revisiting Physically Based Shading at Imageworks", 2017). The lobe is proportional
+// to D(o) D(i), where D = 1 - directional albedo of the single bounce without absorption. It returns exactly the
+// missing energy and is reciprocal. A body's lobe is split between the two sides s. The part that passes, t(s), obeys
+// t(1) A(1) n(1)^2 = t(2) A(2) n(2)^2, where A is the mean of D, so that light and camera paths agree. The larger t is
+// the average transmittance of a smooth interface.
 #ifndef WAVEPATH_MULTIPLE_GLSL
 #define WAVEPATH_MULTIPLE_GLSL
 
@@ -14,7 +14,7 @@
 
 const float kLeastMissing = 1e-4; // mean below which there is nothing to return
 
-// Of GGX microfacets that reflect all light: what a direction lacks, and what all lack on average.
+// Missing energy of GGX microfacets that reflect all light: of one direction, and on average.
 float facets_lack(uint table, vec3 w, float alpha) { return 1.0 - table_albedo(table, abs(w.z), sqrt(alpha)); }
 
 // Mean of Schlick's curve over the hemisphere, weighed by the cosine.

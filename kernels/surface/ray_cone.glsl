@@ -1,5 +1,6 @@
-// What a pixel covers of a surface, for look-ups at mip levels: ray cones (Akenine-Moeller et al. 2021), whose width is
-// the pixel's side at the depth of the hit. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
+// Footprint of a pixel on a surface, for look-ups at mip levels, by ray cones (Akenine-Moeller et al. 2021), whose
+// width is the side of the pixel at the depth of the hit. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES
+// first.
 #ifndef WAVEPATH_RAY_CONE_GLSL
 #define WAVEPATH_RAY_CONE_GLSL
 
@@ -25,7 +26,7 @@ void open_cone(Hit hit, vec3 offset) {
   vec2 uv_area = abs(uv1.xz * uv2.yw - uv1.yw * uv2.xz);
   float depth = dot(offset, frame.camera_forward);
   float side = frame.pixel_spread * (is_orthographic() ? 1.0 : depth);
-  float seen_area = abs(dot(cross(side1, side2), normalize(offset))); // of the triangle, times 2 as uv_area is
+  float seen_area = abs(dot(cross(side1, side2), normalize(offset))); // twice the triangle's area, as uv_area is
   footprint = seen_area > 0.0 ? side * side * (uv_area / seen_area) : vec2(0.0);
 }
 

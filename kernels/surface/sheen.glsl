@@ -39,7 +39,7 @@ float eval_sheen(float roughness, vec3 wo, vec3 wi) {
   return distribution * min(1.0 / (4.0 * o * shadowing), i); // visibility at most 1, as the extension has it
 }
 
-// What a direction's fraction of light below the sheen is.
+// Fraction of the light of a direction that reaches the lobes below the sheen.
 float sheen_passes(Sheen sheen, vec3 w) {
   return 1.0 - max_component(sheen.color) * table_albedo(sheen.table, abs(w.z), sheen.roughness);
 }

@@ -20,7 +20,7 @@ struct Surface {
   vec4 color;            // COLOR_0
   uint material;
   uint light; // see Triangle
-  vec3 lift_front, lift_back; // to the smooth surface, seen from either side: see lift_surface()
+  vec3 lift_front, lift_back; // offset to the smooth surface, for either side (lift_surface())
 #ifdef LAYERED
   Hit hit;
 #endif
@@ -124,7 +124,7 @@ void fetch_normal(uint vertex, out vec3 normal, out vec4 tangent) {
 // Shadow Terminator", Ray Tracing Gems II): the point is projected onto the tangent planes of the vertices, by their
 // weights, where those lie above it.
 
-// Of one vertex, whose normal `n` is on the side in question.
+// Offset towards the tangent plane of one vertex, whose normal `n` is on the given side.
 vec3 lift_towards(vec3 vertex, vec3 n, vec3 p) { return max(dot(vertex - p, n), 0.0) * n; }
 
 void find_lifts(vec3 v0, vec3 v1, vec3 v2, vec3 n0, vec3 n1, vec3 n2, vec3 weights, inout Surface surface) {
@@ -207,7 +207,7 @@ float opacity(Material material, float alpha) {
   return 1.0;
 }
 
-// Whether the ray that is traced shows unlit surfaces: kernels whose rays may not define it.
+// True if the traced ray sees unlit surfaces; kernels whose rays may not see them define it.
 #ifndef SEES_UNLIT
 #define SEES_UNLIT true
 #endif
@@ -224,9 +224,9 @@ float hit_opacity(Hit hit, bool sees_unlit) {
   return opacity(material, base_color(material, uv, color).a);
 }
 
-// Whether this path passes through the hit: decided by a number of its own for every placed triangle and kind of ray.
-// Unlit surfaces (KHR_materials_unlit) are what the eye and mirrors see, and nothing else: like the viewers of glTF,
-// and like Blender's importer, the path tracer has them neither give light nor take it.
+// True if this path passes through the hit. A random number of its own decides for every placed triangle and kind of
+// ray. Only the eye and mirrors see unlit surfaces (KHR_materials_unlit); like viewers of glTF and Blender's importer,
+// the path tracer lets them neither give nor receive light.
 bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
   uint placed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
   if (is_instanced()) // golden ratio: spreads instances over the words

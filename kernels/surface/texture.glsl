@@ -11,8 +11,8 @@
 
 bool is_encoded(Texture image, bool color) { return color && (image.flags & kTextureSrgb) != 0u; }
 
-// One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, as light
-// adds up linearly. A constant where this is called, because drivers run both sides of other branches.
+// One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, because
+// light adds up linearly. It must be a constant in every call, because drivers run both sides of other branches.
 vec4 fetch_texel(Texture image, int x, int y, bool color) {
   uint texel = texel_index(uint(x), uint(y), image.width, image.flags >> kTextureBesideShift & 3u);
   if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) {
@@ -29,7 +29,7 @@ vec4 fetch_texel(Texture image, int x, int y, bool color) {
   return value;
 }
 
-// What filtered texels are divided by: once, not texel by texel.
+// Divisor of filtered texels, applied once instead of texel by texel.
 vec4 texel_scale(Texture image, bool color) {
   if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) return vec4(1.0);
   return is_encoded(image, color) ? vec4(1.0, 1.0, 1.0, 255.0) : vec4(255.0);
@@ -174,8 +174,8 @@ vec4 sample_chosen_texture(uint index, vec4 uv_sets, bool color) {
   if (index == kNone) return vec4(1.0);
   return sample_texture(index, uv_sets, color);
 }
-// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one. Of
-// colours, which glTF has as sRGB, and of values.
+// The same, or 1 if the material has no such texture. `feature`: set if any material of the scene has one. There are
+// variants for colours, which glTF stores as sRGB, and for values.
 #define sample_color_or_1(feature, index, uv_sets) \
   (has(feature) ? sample_chosen_texture(index, uv_sets, true) : vec4(1.0))
 #define sample_value_or_1(feature, index, uv_sets) \

@@ -96,7 +96,7 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   }
   read_layers(v);
   set_basis(v);
-  // What lets light pass keeps its facets, between which the two sides of a body agree.
+  // Surfaces that transmit light keep their facets, since both sides of a body must agree.
   if (kTerminator == kTerminatorSmooth && !lets_light_pass(v)) lift_surface(v.surface, v.front);
   return v;
 }

@@ -1,9 +1,9 @@
-// What the material of a vertex has beyond metallic-roughness. Of LAYERED kernels; included by vertex.glsl.
+// Layers of a vertex's material, beyond metallic-roughness. Only for LAYERED kernels; included by vertex.glsl.
 #ifndef WAVEPATH_VERTEX_LAYERS_GLSL
 #define WAVEPATH_VERTEX_LAYERS_GLSL
 
-// Of the path that is being shaded: 0, 1, 2 = its light is red, green, blue once it has met glass that disperses.
-// Kernels that do not set it see all glass with the middle ior.
+// Colour channel of the path being shaded, once it has met glass that disperses: 0, 1, 2 = red, green, blue. Kernels
+// that do not set it see all glass with the middle ior.
 uint path_channel = 1u;
 
 vec4 layer_value(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, false); }

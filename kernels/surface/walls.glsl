@@ -8,11 +8,11 @@
 
 bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeatureWalls) != 0u; }
 
-const uint kMostWalls = 16u; // which a ray passes: each is a bounce, of which paths have 8 if nothing else is asked for
+const uint kMostWalls = 16u; // most walls that a ray passes: each is a bounce, of which paths have 8 by default
 uint wall_count;
 float wall_distances[kMostWalls]; // along the ray
 uint wall_bodies[kMostWalls];     // 2 * material, + 1 where the ray enters
-vec3 wall_fractions[kMostWalls];  // of the light that it lets through, if no other body hides it
+vec3 wall_fractions[kMostWalls];  // fraction of light that the wall transmits, if no other body hides it
 
 bool keep_wall(uint material, bool enters, float distance_, vec3 fraction) {
   if (wall_count == kMostWalls) return false;
@@ -44,9 +44,9 @@ vec3 optical_depth(uint body, float distance_) {
   return body == kNoBody ? vec3(0.0) : fetch_material(body).attenuation * distance_;
 }
 
-// What walls and bodies on its way leave of a ray that begins within `bodies` and ends `end` metres away; `metre`: of a
-// unit of wall_distances. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on
-// there.
+// Transmittance of walls and bodies along a ray that begins within `bodies` and ends `end` metres away. `metre`: length
+// in metres of a unit of wall_distances. 0 if a wall borders on a body that makes it bend light, since paths do not go
+// straight on there.
 vec3 bodies_passed(uvec4 bodies, float metre, float end) {
   sort_walls();
   vec3 depth = vec3(0.0), fraction = vec3(1.0);

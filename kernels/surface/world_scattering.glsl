@@ -1,5 +1,5 @@
-// What a vertex scatters, in world space: values, densities and draws of the BSDF where facet, smooth normal and normal
-// map point different ways. Of a Vertex, as vertex.glsl has it.
+// Scattering of a Vertex (vertex.glsl) in world space: values, densities and samples of the BSDF, where the normals of
+// facet, smooth surface and normal map differ.
 #ifndef WAVEPATH_WORLD_SCATTERING_GLSL
 #define WAVEPATH_WORLD_SCATTERING_GLSL
 
@@ -7,12 +7,12 @@
 
 bool is_bent(Vertex v) { return has(kFeatureNormalMaps) && v.material.normal_texture != kNone; }
 
-// Whether the vertex reflects what it scatters to wi, rather than letting it through: by the surface that a map stands
-// for, not by the normal that it bends, since lobes are folded at that surface (below).
+// True if light scattered to wi is reflected, not transmitted. The surface that a normal map stands for decides, not
+// the bent normal, since lobes are folded at that surface (below).
 bool is_above(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) > 0.0; }
 bool is_below(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) < 0.0; }
 
-// Whether a direction leaves to the viewer's side of the facet.
+// True if a direction leaves to the viewer's side of the facet.
 bool is_on_viewers_side(Vertex v, vec3 wi) {
   vec3 facing = v.front ? v.surface.geometric_normal : -v.surface.geometric_normal;
   return dot(wi, facing) > 0.0;
@@ -21,7 +21,7 @@ bool is_on_viewers_side(Vertex v, vec3 wi) {
 // A direction must lie on the same side of the real surface as of the shading normal, or light would leak through.
 bool sides_agree(Vertex v, vec3 wi) { return is_on_viewers_side(v, wi) == is_above(v, wi); }
 
-// The same of a drawn direction. Delta lobes need not be folded: there the lobe tells the side.
+// The same for a drawn direction. Delta lobes need no folding: there the lobe itself tells the side.
 bool sides_agree(Vertex v, BsdfSample s, vec3 wi) {
   return is_bent(v) && s.pdf < 0.0 ? is_on_viewers_side(v, wi) != s.transmitted : sides_agree(v, wi);
 }
@@ -41,7 +41,7 @@ const bool kFoldsMirrors = true;
 
 vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
 
-// Whether the BSDF sends light to wi itself that is not folded away. local: wi in the local basis.
+// True if the BSDF sends light to wi itself that is not folded away. `local`: wi in the local basis.
 bool has_itself(Vertex v, vec3 wi, vec3 local) {
   return !is_bent(v) || v.plane == v.normal || (local.z > 0.0) == (dot(wi, v.plane) > 0.0);
 }
@@ -87,7 +87,7 @@ vec3 drawn_direction(Vertex v, inout BsdfSample s) {
   return wi;
 }
 
-// Whether f cos / pdf of a drawn direction is the albedo, with no need to round.
+// True if f cos / pdf of a drawn direction is exactly the albedo, so that it need not be computed with rounding.
 bool weight_is_albedo(Vertex v, vec3 wi) {
   vec3 image;
   return is_lambert(v.bsdf) && kHemisphere == kHemisphereCosine && !has_image(v, wi, image);

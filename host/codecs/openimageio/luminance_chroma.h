@@ -5,7 +5,8 @@
 
 namespace wavepath {
 
-// As PictureModule::read, with R, G, B and alpha made by OpenEXR. Throws ImageError for other subsampled channels.
+// Implements PictureModule::read for luminance and chroma, of which OpenEXR makes R, G, B and alpha. Throws ImageError
+// for other subsampled channels.
 std::vector<std::vector<float>> read_luminance_chroma(const std::string& path, const ChooseStored& choose);
 
 } // namespace wavepath

@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-// As PictureModule::encode_radiance.
+// Implements PictureModule::encode_radiance.
 std::vector<std::uint8_t> encode_radiance_by_openimageio(std::uint32_t width, std::uint32_t height,
                                                          const std::vector<float>& rgb);
 

@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-// As PictureModule::read.
+// Implements PictureModule::read.
 std::vector<std::vector<float>> read_by_openimageio(const std::string& path, const char* format,
                                                     std::uint64_t most_bytes, const ChooseStored& choose);
 

@@ -1,4 +1,4 @@
-// What the shadows of a window's render are compared with: the same view under another technique, and the same light
+// Comparison of the shadows of a window's render with the same view under another technique, and with the same light
 // without shadows.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// Of the pictures as they are. Its fractions are without noise where all three hold the same samples.
+// Scores of the current pictures. Fractions are free of noise if all three renders have the same samples.
 struct ShadowVerdict {
   std::optional<ShadowScore> score; // empty where the scene has no light that a map covers
   Picture map;                      // falsely lit in orange, falsely dark in blue (false_shadow_map())
@@ -25,11 +25,12 @@ public:
   // Throws Error if the technique does not suit the scene, or the device cannot hold it.
   ShadowComparison(Progressive& shown, std::uint32_t against);
 
-  // Of the three the one that has fewest samples makes a step, so that they stay together. False if none could.
+  // Steps the render that has the fewest samples of the three, so that they stay together. Returns false if none could
+  // step.
   bool step();
   bool is_done() const;          // all but `shown`
   std::uint64_t samples() const; // a pixel, of all but `shown`
-  // As Progressive has them, of the renders beside `shown`.
+  // The same as in Progressive, for the renders beside `shown`.
   void move(const View& view);
   void rest();
   // Takes up the settings of `shown`. A render that they do not change goes on.

@@ -18,7 +18,7 @@ struct Elements {
   const std::uint8_t* bytes = nullptr;
   std::size_t count = 0, stride = 0;
   int component_type = 0; // TINYGLTF_COMPONENT_TYPE_*
-  int components = 0;     // an element has
+  int components = 0;     // components of an element
   bool normalized = false;
   std::shared_ptr<const std::vector<std::uint8_t>> owner; // set if the bytes are not the document's
 
@@ -31,7 +31,7 @@ struct DecodedAccessor {
   std::size_t count = 0;
   int components = 0;
 };
-using Decoded = std::map<int, DecodedAccessor>; // by accessor
+using Decoded = std::map<int, DecodedAccessor>; // key: index of the accessor
 
 // Opens an accessor of any type; sparse ones are filled in. `what` names it in messages. `decoded` replaces the
 // contents of the accessors that it holds, and must outlive the result. Throws Error if it is out of bounds or

@@ -17,7 +17,7 @@ namespace wavepath::gltf {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Where a buffer or an image comes from. `size` is a buffer's byteLength; `view` an image's buffer view or -1.
+// Source of a buffer's or an image's bytes. `size`: a buffer's byteLength. `view`: an image's buffer view, or -1.
 struct Source {
   std::string name, uri;
   std::uint64_t size = 0;
@@ -34,10 +34,10 @@ struct Document {
   std::shared_ptr<const nlohmann::json> materials;
   std::vector<Source> buffers, images;
   std::vector<std::size_t>
-      nodeless_channels;            // by animation: how many of its channels name no node; they are not in `model`
-  std::vector<std::uint8_t> binary; // of a .glb: the contents of buffer 0
+      nodeless_channels; // for each animation, the number of its channels that name no node; they are not in `model`
+  std::vector<std::uint8_t> binary; // contents of buffer 0 of a .glb file
 
-  // Contents by buffer and by compressed view, empty until asked for.
+  // Contents of each buffer and of each compressed view; empty until needed.
   std::vector<std::vector<std::uint8_t>> loaded_buffers, decoded_views;
 
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy = kRepair) const;

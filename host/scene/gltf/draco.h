@@ -13,7 +13,7 @@ namespace wavepath::gltf {
 
 struct DracoMesh {
   Decoded attributes;
-  // Of its triangles: Draco stores these whatever the mode of the primitive, and orders vertices anew.
+  // Corners of the triangles. Draco stores triangles whatever the mode of the primitive, and reorders vertices.
   std::vector<std::uint32_t> corners;
 };
 

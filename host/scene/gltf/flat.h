@@ -1,4 +1,4 @@
-// Matrices without an inverse: what of a mesh they leave, and how it is placed all the same.
+// Matrices without an inverse: the flat remains of a mesh, and their placement.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,8 +7,8 @@
 
 namespace wavepath::gltf {
 
-// What a matrix makes of a solid: a solid, a flat thing, or a line or point, which has no area. A side that is
-// kFlatRounding times the longest or less counts as none: matrices that were multiplied have such remains of zero.
+// Image of a solid under a matrix: a solid, a flat body, or a line or point without area. A side of kFlatRounding times
+// the longest, or less, counts as zero, since products of matrices leave such rounding errors.
 enum class Extent { solid, flat, none };
 inline constexpr double kFlatRounding = 1e-14;
 Extent extent_of(const glm::dmat3& linear);

@@ -13,13 +13,13 @@
 
 namespace wavepath::gltf {
 
-// What has been converted so far.
+// Materials converted so far.
 struct MaterialMap {
   std::map<int, std::uint32_t> materials; // glTF material (-1: the default one) -> Scene::materials
   ImageMap images;
-  std::vector<UvSets> uv_sets; // by Scene::materials: what the vertices must carry
-  // Those that read more sets of texture coordinates than vertices have, with the sets of the file, and what became of
-  // them for primitives.
+  std::vector<UvSets> uv_sets; // for each of Scene::materials: the coordinates that vertices must carry
+  // Materials that read more sets of texture coordinates than vertices have, with the sets of the file; and their
+  // versions for single primitives.
   std::map<std::uint32_t, Material> crowded;
   std::map<std::pair<std::uint32_t, std::vector<float>>, std::uint32_t> fitted;
 };

@@ -12,13 +12,13 @@ namespace wavepath::gltf {
 // One use of a mesh. Uses that agree in all three give the same Mesh.
 struct MeshUse {
   int mesh = 0;
-  std::vector<double> weights; // of its morph targets; missing ones are 0
+  std::vector<double> weights; // weights of its morph targets; missing ones are 0
   int skin = -1;
 
   auto operator<=>(const MeshUse&) const = default;
 };
 
-// Whether read_mesh takes anything from it, and so needs its material.
+// True if read_mesh() reads anything from the primitive, and so needs its material.
 bool has_triangles(const tinygltf::Primitive& primitive);
 
 // `world`: matrices of all nodes. Converts the materials that it needs. Throws Error.

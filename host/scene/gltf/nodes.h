@@ -27,8 +27,8 @@ inline constexpr double kAffineRounding = 1e-5;
 glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales);
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales = Scales::authored);
 
-// By node: whether KHR_node_visibility hides it or a node above it. Nodes must form no cycle, as world_matrices() has
-// found out.
+// For each node: true if KHR_node_visibility hides it or a node above it. Nodes must form no cycle, which
+// world_matrices() has checked.
 std::vector<bool> hidden_nodes(const Document& document);
 
 } // namespace wavepath::gltf

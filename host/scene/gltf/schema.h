@@ -7,8 +7,8 @@
 
 namespace wavepath::gltf {
 
-// After it every property that the importer reads has the type that the specification gives it, is there if required,
-// and every index points to something. Whole numbers written as 3.0 become integers. Throws Error that names the
+// Checks a document. Afterwards every property that the importer reads has the type of the specification and is present
+// if required, and every index is in range. Whole numbers written as 3.0 become integers. Throws Error that names the
 // property.
 void check_schema(const std::string& file, nlohmann::json& document);
 

@@ -10,7 +10,7 @@
 
 namespace wavepath::gltf {
 
-// What moves each vertex of a primitive; empty if there is no skin.
+// Joints and weights of the vertices of a primitive; empty without a skin.
 struct Skin {
   std::vector<glm::dmat4> joints;         // world from bind pose
   std::vector<Elements> indices, weights; // JOINTS_0, JOINTS_1, ... and WEIGHTS_*, of equal number

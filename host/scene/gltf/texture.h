@@ -15,7 +15,7 @@ namespace wavepath::gltf {
 
 // The images that materials refer to, in the order of Scene::images.
 struct ImageMap {
-  std::map<std::string, std::uint32_t> index_of; // by where the image's data come from
+  std::map<std::string, std::uint32_t> index_of; // key: source of the image's data
   std::vector<std::size_t> sources;              // glTF image of each of Scene::images
 };
 

@@ -1,4 +1,4 @@
-// What a URI in a glTF file may refer to: data in the URI itself, or a file in or below the folder of the glTF file.
+// URIs in a glTF file: data in the URI itself, or a file in or below the folder of the glTF file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which sets of texture coordinates vertices carry: kernels read two, while files may have any number of them.
+// Chooses the sets of texture coordinates that vertices carry: kernels read two, while files may have any number.
 #pragma once
 
 #include <array>

@@ -48,8 +48,8 @@ struct CutCounts {
 
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's origin
-  double radius = 0.0;    // of the geometry's bounding sphere, metres
-  glm::vec3 centre{0.0f}; // of that sphere, in the device's world
+  double radius = 0.0;    // radius of the geometry's bounding sphere, metres
+  glm::vec3 centre{0.0f}; // centre of that sphere, in the device's world space
 
   std::vector<bvh::WideNode> nodes;
   std::uint32_t root = 0; // node
@@ -65,8 +65,9 @@ struct PackedScene {
   std::vector<glm::uvec4> triangle_vertices; // also present if triangles were cut
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
   std::uint32_t layer_tangents =
-      0;                         // vertices from one's normal to its tangents of layers that have their own; 0 = none
-  std::uint32_t end_normals = 0; // where in vertex_normals those of a scene that moves stand when the shutter closes
+      0; // vertices from one's normal to its tangents of layers that have their own; 0 = none
+  // Index in vertex_normals of the normals at the time when the shutter closes, if the scene moves.
+  std::uint32_t end_normals = 0;
 
   std::vector<gpu::Material> materials;
   // By material, and the albedo tables that they refer to; empty where no lobe (kLobe bits) is in use.
@@ -74,17 +75,18 @@ struct PackedScene {
   std::vector<glm::vec4> albedo_tables;
   std::vector<std::string> material_names; // for messages
   std::vector<gpu::Texture> textures;
-  std::vector<std::uint32_t> texels; // of textures that kernels look up themselves;
-  Atlases atlases;                   // and of those that samplers of the device look up
+  std::vector<std::uint32_t> texels; // texels that kernels look up themselves
+  Atlases atlases;                   // texels that the device's samplers look up
 
-  std::vector<gpu::Light> lights;         // that next-event estimation samples, the environment included
-  std::vector<std::uint32_t> light_parts; // of triangles that are cut: see kernels/light/light_sampling.glsl
-  std::uint32_t local_light_count = 0;    // of those that have a location; they come first
+  std::vector<gpu::Light> lights; // lights that next-event estimation samples, the environment included
+  // Parts of light triangles that are cut: see kernels/light/light_sampling.glsl.
+  std::vector<std::uint32_t> light_parts;
+  std::uint32_t local_light_count = 0; // number of lights with a location, which come first
   // The light tree as kernels/base/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
-  double light_locations = 0.0;  // in which its lights are, see lights.h
-  double typical_radiance = 0.0; // that all lights together bring to a surface, by order of magnitude
+  double light_locations = 0.0;  // estimated number of cells that contain lights, see lights.h
+  double typical_radiance = 0.0; // radiance that all lights together bring to a surface, by order of magnitude
   glm::vec3 environment_radiance{0.0f};
   float environment_probability = 0.0f;
   double environment_rotation = 0.0;
@@ -95,7 +97,7 @@ struct PackedScene {
 
   gpu::Feature features = 0; // kFeature and kLobe bits
   std::vector<LeftOut> left_out;
-  std::uint64_t triangle_count = 0;    // of the source, as seen: instances counted
+  std::uint64_t triangle_count = 0;    // triangles of the scene, in all instances
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
   AlphaCounts alpha;
   CutCounts cut;
@@ -105,7 +107,7 @@ struct PackedScene {
   double sah_cost = 0.0;              // of the tree over the most triangles, see bvh::Measure
 
   bool moves() const { return !motions.empty(); }
-  // As Triangle::id, of the triangle of the source.
+  // Triangle::id of the scene's triangle from which an item was made.
   std::uint32_t source_id(std::uint32_t item) const {
     const std::uint32_t id = triangles[item].id;
     return id & gpu::kPieceId ? triangle_vertices[item].w : id;

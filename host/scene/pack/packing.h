@@ -1,4 +1,4 @@
-// How a scene is packed: what plan() and pack() both go by.
+// Options of packing, which plan() and pack() both use.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Packing {
   // it, or the box's centre.
   std::optional<glm::dvec3> eye{};
   std::vector<glm::dvec3>
-      near{}; // where pictures are taken from: triangles that are huge beside that are cut, see cut.h
+      near{}; // positions of cameras: triangles that are huge compared with their distance to one are cut, see cut.h
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
   bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
   // The device's samplers look up textures, within these limits.

@@ -13,7 +13,7 @@ struct Part {
   std::uint32_t mesh = 0;
   std::uint32_t primitive = 0;
   std::uint32_t surface = 0;      // kTriangle bits and an index into PackedScene::materials, see gpu::Triangle
-  std::uint32_t first_vertex = 0; // of the mesh, in the vertex streams
+  std::uint32_t first_vertex = 0; // first vertex of the mesh in the vertex streams
   glm::dmat4 device_from_object{1.0};
   bool mirrored = false; // the transform mirrors: v1 and v2 change places, so that counter-clockwise stays the front
 };

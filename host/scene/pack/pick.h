@@ -1,5 +1,5 @@
-// What a position of the picture shows, by the tree on the host: the point under the pointer, and the distance to focus
-// on.
+// Finds the point that a position of the picture shows, by the BVH on the host: for the point under the pointer, and
+// for the focus.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ namespace wavepath {
 std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& pixel,
                                const glm::dvec2& size, bool passes_backs = true);
 
-// Of a point in front of the camera, along the view axis; not positive behind it.
+// Depth of a point along the view axis; not positive behind the camera.
 double depth_of(const View& view, const glm::dvec3& point);
 
 // The depth of what the middle of the picture shows; of the middle of the scene where that is nothing.

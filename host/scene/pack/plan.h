@@ -21,7 +21,7 @@ struct ScenePlan {
            light_tree_bytes;
   }
 };
-// Of what pack() makes, whatever eye, direct and lights are.
+// Predicts the result of pack(), whatever eye, direct and lights are.
 ScenePlan plan(const Scene& scene, const Packing& packing = {});
 
 } // namespace wavepath

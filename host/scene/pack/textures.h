@@ -34,15 +34,16 @@ struct StoredMips {
 
 struct TextureTable {
   bool has_mips = false; // textures get mip levels
-  // Where images of eight bits are for samplers of the device: its limits.
+  // Limits of the device's samplers, if they look up images of 8 bits.
   std::optional<SamplerLimits> samplers;
   std::vector<gpu::Texture> textures;
-  std::vector<std::uint32_t> tile_of;          // by texture, into tiles[is a colour]; kNone: the texel buffer holds it
-  std::array<std::vector<AtlasTile>, 2> tiles; // of values and of colours
+  // For each texture, an index into tiles[is a colour]; kNone: the texel buffer holds it.
+  std::vector<std::uint32_t> tile_of;
+  std::array<std::vector<AtlasTile>, 2> tiles; // tiles of values, and tiles of colours
   Atlases atlases;                             // without texels; place_textures() gives them their size
   std::vector<StoredImage> images;
   std::vector<StoredMips> mips;
-  std::uint64_t word_count = 0; // of all that is stored
+  std::uint64_t word_count = 0; // words of all stored texels
   std::map<std::array<std::uint32_t, 9>, std::uint32_t> known_textures;
   std::map<std::array<std::uint32_t, 2>, std::uint32_t> known_images;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> known_mips;
@@ -58,11 +59,12 @@ void add_together(TextureTable& table, const Scene& scene, std::span<const Textu
 // kernels ask for a colour. `covers`: its alpha is the coverage of that colour.
 std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool is_color, bool covers);
 
-// Once all are added: gives those for samplers their places. What finds none goes to the texel buffer.
+// Called after all textures are added: places those for samplers. Textures for which there is no space go to the texel
+// buffer.
 void place_textures(TextureTable& table, const Scene& scene);
 
-// Of textures that samplers were to look up, those that the texel buffer holds: because their texels are floats, and
-// because the device's images have no room.
+// Counts of textures that samplers cannot look up: because their texels are floats, and because the device's images
+// have no space.
 struct ExactTextures {
   std::size_t floats = 0, unplaced = 0;
 };

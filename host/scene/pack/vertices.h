@@ -11,7 +11,7 @@
 
 namespace wavepath {
 
-// Which streams a scene needs. A stream that exists covers all vertices.
+// The vertex streams that a scene needs. A stream covers all vertices.
 struct Streams {
   bool normals = false, uvs = false, colors = false, layer_tangents = false;
   bool any() const { return normals || uvs || colors; }
@@ -21,8 +21,8 @@ Streams needed_streams(const Scene& scene, const Usage& usage);
 
 // A vertex of a piece: `weights` among the vertices of the triangle that was cut.
 struct CutVertex {
-  std::uint32_t mesh = 0, first_index = 0; // of the triangle
-  glm::vec2 uv_shift[2] = {};              // that is taken from texture coordinates
+  std::uint32_t mesh = 0, first_index = 0; // mesh and first index of the triangle
+  glm::vec2 uv_shift[2] = {};              // whole numbers that are subtracted from texture coordinates
   glm::dvec3 weights{0.0};
 };
 

@@ -1,4 +1,4 @@
-// What filters of a frame's edges share: its colours, and how bright they are to the eye.
+// Colours of a frame, and their brightness to the eye, for filters of edges.
 #ifndef WAVEPATH_FRAME_COLOR_GLSL
 #define WAVEPATH_FRAME_COLOR_GLSL
 

@@ -20,7 +20,8 @@ float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
     float distance_ = length(offset);
     float weight = clamp((1.0 - distance_ / hybrid.ao_radius) / (1.0 - kFullReach), 0.0, 1.0);
     float cosine = mix(lowest, dot(offset, receiver.to_eye) / max(distance_, 1e-30), weight);
-    // Their section 4.4: what is seen behind a thin body lowers the horizon that it has raised.
+    // Section 4.4 of the paper: a background that is visible behind a thin body lowers the horizon that the body has
+    // raised.
     horizon = cosine > horizon ? cosine : max(mix(horizon, cosine, hybrid.ao_thinness), lowest);
   }
   return horizon;
@@ -29,8 +30,7 @@ float horizon_cosine(Receiver receiver, vec3 direction, float u, float lowest) {
 // The integral of cos(angle - normal) * |sin(angle)| from 0 to `angle`, without the term that does not depend on it.
 float arc(float angle, float normal) { return 0.25 * (2.0 * angle * sin(normal) - cos(2.0 * angle - normal)); }
 
-// What a horizon takes from a side of its slice (1 or -1): nothing, to the last bit, where it is that of the tangent
-// plane.
+// Occlusion by a horizon on one side (1 or -1) of its slice: exactly 0 if it is the horizon of the tangent plane.
 float taken(float side, float cosine, float lowest, float normal) {
   if (!(cosine > lowest)) return 0.0;
   return arc(normal + side * 0.5 * kPi, normal) - arc(side * acos_exact(cosine), normal);
@@ -54,7 +54,7 @@ void main() {
     sum += weight * (taken(1.0, horizon_cosine(receiver, direction, u.y, -low), -low, normal) +
                      taken(-1.0, horizon_cosine(receiver, -direction, u.y, low), low, normal));
   }
-  // What is open of all slices is 1 in the mean, but not of each: taking what is occluded from 1 is the same integral,
-  // free of noise where nothing is occluded. Of few slices the difference may be below 0.
+  // The open part of all slices is 1 on average, but not of each one. 1 - occlusion is the same integral, without noise
+  // where nothing is occluded. With few slices the difference may be below 0.
   signals[receiver.index].w = max(1.0 - sum / float(hybrid.ao_samples), 0.0);
 }

@@ -13,8 +13,8 @@ float sine_of_tangent(Receiver receiver, vec3 direction) {
   return sin(min(elevation, 0.5 * kPi));
 }
 
-// Of one direction: the integral of the cosine of the elevation from the tangent to the horizon, piece by piece, each
-// weighed by the distance of what raised it.
+// Occlusion of one direction: the integral of the cosine of the elevation from the tangent to the horizon, in pieces,
+// each weighted by the distance of the surface that raised it.
 float rise(Receiver receiver, vec3 direction, float u) {
   March march = march_of(receiver, direction);
   float horizon = sine_of_tangent(receiver, direction), sum = 0.0;

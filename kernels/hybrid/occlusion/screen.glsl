@@ -1,5 +1,5 @@
-// What techniques of occlusion in screen space share: the pixel of an invocation, what the G-buffer of the frame shows
-// at a position in the picture, and how a direction in space runs across it. They know no surface but those seen.
+// Functions of occlusion techniques in screen space: the pixel of an invocation, the G-buffer at a position in the
+// picture, and the image of a direction in space. They know only surfaces that are seen.
 #ifndef WAVEPATH_SCREEN_GLSL
 #define WAVEPATH_SCREEN_GLSL
 
@@ -130,7 +130,7 @@ March march_of(Receiver receiver, vec3 direction) {
   return march;
 }
 
-// Of a step, at a random position of its stretch of the way. Stretches grow with their distance, from one pixel on.
+// Position of a step, at random within its stretch. Stretches grow with their distance, from one pixel on.
 vec2 step_position(March march, Receiver receiver, uint step, float u) {
   float fraction = (float(step) + u) / float(march.steps);
   return receiver.centre + march.direction * (1.0 + (march.length_ - 1.0) * fraction * fraction);

@@ -10,7 +10,8 @@ bool is_behind(Receiver receiver, vec3 position) {
   vec3 shown = shown_at(position);
   if (!(shown.z > 0.0) && !is_orthographic()) return false; // behind the eye
   float depth = depth_of(ivec2(floor(shown.xy)));
-  // What is farther away than the radius does not occlude: a body in front would darken all that it hides otherwise.
+  // Surfaces farther away than the radius do not occlude; otherwise a body in front would darken everything that it
+  // hides.
   return depth > 0.0 && depth < shown.z && abs(depth - receiver.depth) <= hybrid.ao_radius;
 }
 

@@ -35,8 +35,8 @@ layout(set = 0, binding = kBindShading, std140) uniform ShadingBlock { ShadingFr
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// What a white surface sends to wo of irradiance from wi, both of unit length and above it: diffuse, highlight.
-// `exponent`: Blinn's, of the cosine between normal and half vector.
+// Light that a white surface reflects to wo from irradiance out of wi; both have unit length and are above it. Returns
+// diffuse part and highlight. `exponent`: Blinn's, for the cosine between normal and half vector.
 vec2 reflected(vec3 n, vec3 wi, vec3 wo, float exponent);
 
 // ---- the material ---------------------------------------------------------------------------------------------------
@@ -73,7 +73,8 @@ vec2 point_weights(Hit hit, uint i) {
   return vec2(i == 1u ? 1.0 : 0.0, i == 2u ? 1.0 : 0.0);
 }
 
-// What counts of it at the point that is seen. Weights of the triangle itself, not of its image: perspective-correct.
+// Weight of corner i at the point that is seen: barycentric in the triangle itself, not in its image, hence
+// perspective-correct.
 float point_fraction(Hit hit, uint i) {
   if (shading.interpolation != kInterpolateGouraud) return 1.0;
   return i == 0u ? 1.0 - hit.b1 - hit.b2 : i == 1u ? hit.b1 : hit.b2;
@@ -89,7 +90,7 @@ vec3 point_normal(Surface surface, Material material, bool front, vec3 wo, vec3 
 
 // ---- light ----------------------------------------------------------------------------------------------------------
 
-// How many times the inverse square of the distance.
+// Attenuation relative to the inverse square of the distance.
 float attenuation(LightSample light, vec3 from) {
   if ((shading.flags & kShadingAttenuates) == 0u || light.distant) return 1.0;
   vec3 offset = light.target - from;

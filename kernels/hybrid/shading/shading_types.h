@@ -1,4 +1,4 @@
-// What local illumination is told of a frame.
+// Constants of a frame for local illumination.
 #ifndef WAVEPATH_SHADING_TYPES_H
 #define WAVEPATH_SHADING_TYPES_H
 

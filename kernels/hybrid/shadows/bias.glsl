@@ -4,7 +4,7 @@
 #define WAVEPATH_SHADOW_BIAS_GLSL
 
 const float kSteepest = 64.0;      // metres of depth for a metre across, up to which depth is offset by slope
-const float kDepthRounding = 4e-6; // of a view's depth: maps hold floats, computed from floats
+const float kDepthRounding = 4e-6; // rounding of a view's depth: maps hold floats, computed from floats
 
 // Metres that the receiver's own plane falls back from the light over a metre across the view, at most kSteepest. Maps
 // hold depths along the view's axis, so that it is the axis, not the ray, against which a plane slopes.
@@ -19,7 +19,7 @@ float plane_slope(Receiver r) {
 // Moves the point that asks, for the kind of bias that does.
 void offset_receiver(inout Receiver r) {
   if (shadow.bias_kind != kBiasNormal) return;
-  // By as much as a texel reaches across the surface (Holbert 2011).
+  // Offset by the extent of a texel across the surface (Holbert 2011).
   float slope = plane_slope(r), sine = slope / sqrt(1.0 + slope * slope);
   r.position += r.normal * (shadow.bias * sine * texel_width(r.view, r.depth));
   project_to_view(r.view, r.position, r.map_position);
@@ -48,20 +48,20 @@ float plane_depth(Receiver r, vec2 position) {
 float unshadowed_depth(Receiver r, vec2 position, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
-  if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
+  if (shadow.bias_kind == kBiasSlope) // depth that the plane gains up to the texel's centre
     return r.depth - shadow.bias * width * plane_slope(r) * 1.4142 * reach - rounding;
   if (shadow.bias_kind == kBiasPlane) return plane_depth(r, position) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
 }
 
-// Of a texel, which sampled the surface at its centre.
+// Depth of the surface at a texel, which was sampled at its centre.
 float unshadowed_depth(Receiver r, ivec2 texel) {
   vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.map_position);
   return unshadowed_depth(r, centre, max(max(away.x, away.y), 0.5));
 }
 
-// Whether a map leaves the receiver lit at a texel.
+// True if the map leaves the receiver lit at a texel.
 bool texel_lights(Receiver r, ivec2 texel) { return !(map_depth(r.view, texel) < unshadowed_depth(r, texel)); }
 
 #endif

@@ -46,7 +46,7 @@ layout(set = 0, binding = kBindShadowCounts, std430) buffer ShadowCountBlock { S
 #endif
 
 #ifdef BIND_SHADOW_PAGES
-// Of virtual maps: the slot of every page, kNone where it is not resident; then the page of every slot.
+// Page table of virtual maps: the slot of every page, kNone if it is not resident; then the page of every slot.
 layout(set = 0, binding = kBindShadowScratch, std430) readonly buffer ShadowPageBlock { uint page_words[]; };
 #endif
 

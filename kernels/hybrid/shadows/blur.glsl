@@ -16,7 +16,7 @@ layout(local_size_x = kWorkgroupSize) in;
 
 float blur_radius() { return max(shadow.blur, 0.5); } // half a texel: the texel itself
 int blur_reach() { return int(ceil(blur_radius() - 0.5)); }
-// Of a texel at a distance; those of a row add up to 1.
+// Weight of a texel at a distance; the weights of a row add up to 1.
 float blur_weight(int away) { return clamp(blur_radius() + 0.5 - abs(float(away)), 0.0, 1.0) / (2.0 * blur_radius()); }
 
 bool find_texel(out ShadowView v, out ivec2 texel) {
@@ -25,7 +25,7 @@ bool find_texel(out ShadowView v, out ivec2 texel) {
   texel = ivec2(index % shadow.size, index / shadow.size);
   return gl_GlobalInvocationID.x < wave.pixel_count;
 }
-// In the maps; of the nearest texel that the view has.
+// Index in the maps of the nearest texel that the view has.
 int index_in_maps(ShadowView v, ivec2 texel) {
   texel = clamp(texel, ivec2(0), ivec2(shadow.size) - 1);
   return int(v.first_texel) + texel.y * int(shadow.size) + texel.x;

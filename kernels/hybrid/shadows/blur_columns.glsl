@@ -4,7 +4,7 @@
 
 #include "kernels/hybrid/shadows/blur.glsl"
 
-// What the map keeps of a texel's mean.
+// Converts a texel's mean to the form stored in the map.
 vec4 stored(vec4 mean);
 
 void main() {

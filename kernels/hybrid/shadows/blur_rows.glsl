@@ -4,7 +4,7 @@
 
 #include "kernels/hybrid/shadows/blur.glsl"
 
-// What is averaged, of a depth by unit_depth().
+// Quantities to average, for a depth by unit_depth().
 vec4 moments_of(float depth);
 
 void main() {

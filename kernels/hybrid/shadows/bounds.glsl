@@ -1,5 +1,5 @@
-// What is averaged of a distribution of depths, and the fraction of it that is not below some depth as far as the
-// averages tell: bounds. All depths here run from -1, the near end of a view, to 1, its far end.
+// Averages of a distribution of depths, and bounds that they give for the fraction of it that is not below a depth. All
+// depths here run from -1, the near end of a view, to 1, its far end.
 #ifndef WAVEPATH_SHADOW_BOUNDS_GLSL
 #define WAVEPATH_SHADOW_BOUNDS_GLSL
 
@@ -21,7 +21,7 @@ float chebyshev(vec2 moments, float depth) {
 // Exponents are for the whole range of depths.
 vec4 exponential_moments(float depth, float exponent) { return vec4(exp(0.5 * exponent * depth), 0.0, 0.0, 0.0); }
 
-// What is not below the depth counts at least as 1 in the mean of exponentials, all else as next to nothing.
+// Depths that are not below count at least as 1 in the mean of exponentials, all others as next to nothing.
 float exponential_bound(vec4 moments, float depth, float exponent) {
   return min(moments.x * exp(-0.5 * exponent * depth), 1.0);
 }

@@ -20,7 +20,7 @@ vec4 filtered_at(Receiver r) {
 // the position itself: a bound from their mean takes no bias for a slope.
 float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.map_position, 0.0)); }
 
-// For bounds that the spread of the receiver's own depths in the filter lowers: in front of them all.
+// A depth in front of all depths of the receiver within the filter, for bounds that their spread would lower.
 float foremost_depth(Receiver r) {
   return unit_depth(r.view, unshadowed_depth(r, r.map_position, max(shadow.blur, 0.5)));
 }

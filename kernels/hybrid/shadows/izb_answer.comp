@@ -25,7 +25,7 @@ void main() {
   bool blocked = izb_links[link + 2u] != 0u;
   shadow_depth = izb_links[link + 3u];
   ShadowRay ray = fetch_shadow_ray(index);
-  if (!blocked || shadow.ambient > 0.0) { // as tracing: a blocked path is left alone, whatever its ray would bring
+  if (!blocked || shadow.ambient > 0.0) { // as in tracing, a blocked path gains nothing
     PathState path = fetch_path(ray.slot);
     path.radiance += ray.contribution * mix(vec3(shadow.ambient), vec3(1.0), blocked ? vec3(0.0) : light_passed());
     store_radiance(ray.slot, path);

@@ -25,9 +25,9 @@ Sampler path_sampler;
 
 layout(local_size_x = kWorkgroupSize) in;
 
-const uint kMostTrips = 1u << 14; // of a loop: lavapipe ends loops after 65,535 in silence
+const uint kMostTrips = 1u << 14; // limit of a loop: lavapipe ends loops silently after 65,535 rounds
 
-// What traverse() does with a triangle of a leaf.
+// Tests a triangle of a leaf, for traverse().
 void test(uint ray_index, uint triangle, uint of_instance) {
   uint link = link_word(ray_index);
   if (izb_links[link + 2u] != 0u) return;

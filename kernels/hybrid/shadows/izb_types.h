@@ -16,8 +16,8 @@ GPU_CONSTANT uint kBindIzbItems = 95u; // texels RGBA32UI: a triangle, its insta
                                        // put against, columns | rows << 16 of them
 
 GPU_CONSTANT uint kIzbFirstCell = 2u, kIzbCellWords = 2u;
-// Of a ray: 1 + the next one of its list, its cell (kNone: in no list), whether it is blocked, and what the surfaces
-// that let light pass take from it (shadow_depth of kernels/light/shadow.glsl).
+// Words of a ray: 1 + the next ray of its list; its cell (kNone: in no list); whether it is blocked; the light that
+// transparent surfaces take from it (shadow_depth of kernels/light/shadow.glsl).
 GPU_CONSTANT uint kIzbLinkWords = 4u;
 GPU_CONSTANT uint kIzbItemsOfDispatch = 1u << 12; // on Sponza, with 22,000 rays, some 60 ms on two cores
 

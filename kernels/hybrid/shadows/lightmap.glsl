@@ -20,7 +20,7 @@ float chart_side(uvec2 chart) { return float(chart.y & kChartSideMask); }
 float chart_scale(uvec2 chart) { return chart_side(chart) + ((chart.y & kChartSingle) != 0u ? 0.5 : 0.0); }
 uint chart_apex(uvec2 chart) { return chart.y >> kChartApexShift & 3u; }
 
-// In texels; centres of texels are at halves.
+// Position in the atlas in texels; centres of texels are at halves.
 vec2 position_in_atlas(uvec2 chart, vec3 weights) {
   uint apex = chart_apex(chart);
   vec2 at = vec2(weights[(apex + 1u) % 3u], weights[(apex + 2u) % 3u]);

@@ -22,7 +22,7 @@ layout(set = 0, binding = kBindLightmapTexels) uniform usamplerBuffer lightmap_t
 layout(set = 0, binding = kBindLightmapPoints) uniform samplerBuffer lightmap_points;
 layout(set = 0, binding = kBindLightmapLitWords, std430) writeonly buffer LitBlock { float lit_words[]; };
 
-// Of the light of one point. Sides of surfaces are as for paths, which see the side that is lit.
+// Fraction that passes of the light of one point. Sides of surfaces are those of paths, which see the lit side.
 float passed_from(Surface surface, vec4 point, float t_max) {
   bool distant = point.w == 0.0;
   lift_surface(surface, dot(surface.geometric_normal, distant ? point.xyz : point.xyz - surface.position) > 0.0);

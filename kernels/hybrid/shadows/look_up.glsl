@@ -26,22 +26,22 @@ layout(local_size_x = kWorkgroupSize) in;
 // A point that asks a light's view whether it is lit.
 struct Receiver {
   vec3 position;  // device world
-  vec3 normal;    // of the surface itself, on the side of the light
-  vec3 to_light;  // of unit length: to where the view is taken from
-  Hit hit;        // of the camera ray
+  vec3 normal;    // geometric normal, on the side of the light
+  vec3 to_light;  // unit length: to the origin of the view
+  Hit hit;        // hit of the camera ray
   uint slot;
-  uvec2 views;    // of the light: the first one, how many
+  uvec2 views;    // views of the light: first, count
   uint view_index;
   ShadowView view;
-  vec2 map_position; // in texels of the view
-  float depth;       // as maps have it
+  vec2 map_position; // position in texels of the view
+  float depth;       // depth as stored in maps
 };
 
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
 float lit_fraction(Receiver r);
 
 #ifdef TINTS_LIGHT
-vec3 light_tint(Receiver r); // what becomes of the light on its way, besides shadows
+vec3 light_tint(Receiver r); // factor of the light on its way, besides shadows
 #endif
 
 // Turns to a view of the light. False if it does not show the point.

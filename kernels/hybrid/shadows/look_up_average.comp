@@ -17,8 +17,8 @@ float lit_fraction(Receiver r) {
   for (uint i = 0u; i < r.views.y; ++i) {
     Receiver from = r;
     if (!look_through(r.views.x + i, from)) {
-      if (from.view.is_part != 0u) continue; // behind the lamp's own horizon, or grazing it
-      return -1.0;                           // what not all of them show is traced
+      if (from.view.is_part != 0u) continue; // the point is behind the lamp's own horizon, or grazes it
+      return -1.0;                           // points that not all views show are traced
     }
     float fraction = brightness(from);
     offset_receiver(from);

@@ -16,7 +16,7 @@ const float kDoubt = 0.02; // a fraction of light, or of shadow, that counts as 
 float lit_fraction(Receiver r) {
   offset_receiver(r);
   ivec2 corner = ivec2(floor(r.map_position - 0.5));
-  uint lit = 0u; // of the texels around the position
+  uint lit = 0u; // number of lit texels around the position
   for (int i = 0; i < 4; ++i) lit += texel_lights(r, corner + ivec2(i & 1, i >> 1)) ? 1u : 0u;
   if (lit != 0u && lit != 4u) return -1.0;
   // No more light than this reaches the filter's texels, but perhaps less.

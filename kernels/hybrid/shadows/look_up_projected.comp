@@ -15,7 +15,7 @@ vec3 cookie_texel(uvec2 size, ivec2 texel) {
   return texelFetch(cookie, int(kCookieHeaderTexels + uint(texel.y) * size.x) + texel.x).rgb;
 }
 
-// Of lights with one view, which is what the picture is stretched over.
+// Tint of lights with one view, over which the picture is stretched.
 vec3 light_tint(Receiver r) {
   uvec2 size = floatBitsToUint(texelFetch(cookie, 0).xy);
   if (size.x == 0u || r.views.y != 1u) return vec3(1.0);

@@ -11,7 +11,7 @@
 #include "kernels/hybrid/shadows/sat_box.glsl"
 #include "kernels/hybrid/shadows/sat_depth.glsl"
 
-const float kHalfSide = 0.8862269; // of the square that has the area of a disc of radius 1
+const float kHalfSide = 0.8862269; // half side of the square with the area of a disc of radius 1
 
 // A box around the receiver: the fraction of it that leaves the receiver lit; sum over what does not, of depth and of
 // weight.
@@ -30,13 +30,13 @@ Shade shade_of_box(Receiver r, float half_side) {
     float depth = plane_depth(r, lo + 0.5 * side);
     vec2 moments = box_about(Sat(r.view.first_texel, shadow.size), lo, lo + side, sat_depth(r.view, depth));
     float variance = max(moments.y - moments.x * moments.x, 0.0), away = -moments.x - bias;
-    if (!(away > 0.0)) { // on average nothing is in front
+    if (!(away > 0.0)) { // on average nothing is in front of the receiver
       shade.lit += 1.0;
       continue;
     }
     shade.lit += variance / (variance + away * away);
-    // What is lit is taken to be on the receiver's plane. Then the mean is that of what is not, and a bias would only
-    // spoil the estimate of how much that is.
+    // Lit texels are assumed to lie on the receiver's plane. Then the mean is that of the unlit ones, and a bias would
+    // only distort the estimate of their fraction.
     float dark = moments.x * moments.x / (variance + moments.x * moments.x);
     shade.weight += dark;
     shade.depth += dark * depth + moments.x * step_;

@@ -5,7 +5,7 @@
 
 const float kRoot3 = 1.7320508;
 
-// From 0 to 1 each.
+// Packs moments as numbers from 0 to 1.
 vec4 numbers_of_moments(vec4 b) {
   return vec4(1.5 * b.x - 2.0 * b.z + 0.5, kRoot3 * (0.5 * b.x - 2.0 / 9.0 * b.z) + 0.5, 4.0 * (b.y - b.w),
               0.5 * (b.y + b.w));

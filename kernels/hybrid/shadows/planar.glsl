@@ -20,7 +20,7 @@ PlanarPair fetch_planar_pair(uint index) {
 
 float height_above(PlanarPair pair, vec3 position) { return dot(pair.normal, position) + pair.offset; }
 
-// Of a triangle, in device world.
+// Corner of a triangle, in device world space.
 vec3 placed_corner(uint triangle, uint instance, uint corner) {
   vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner)).xyz;
   return has(kFeatureInstances) && frame.root_is_top != 0u ? transform_point(instance * kInstanceTexels + 3u, p) : p;
@@ -34,8 +34,8 @@ bool is_of_plane(PlanarPair pair, uint triangle, uint instance) {
 }
 
 #ifdef BIND_RECEIVER_PLANES
-// Whether the triangle lies in one of the planes that shadows fall on, all that the buffer of pairs has. What lies in
-// none of them casts.
+// True if the triangle lies in one of the planes that receive shadows, the only ones in the buffer of pairs. Other
+// triangles cast.
 bool is_receiver(uint triangle, uint instance) {
   uint count = fetch_planar_pair(0u).source; // textureSize() is wrong in vertex shaders of Mesa 22.3
   for (uint i = 0u; i < count; ++i)

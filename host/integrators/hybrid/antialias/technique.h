@@ -1,4 +1,4 @@
-// What is known of a technique of anti-aliasing before there is a device.
+// Description of an anti-aliasing technique, which needs no device.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// One constant for each stands in its file.
+// Each technique defines one constant of this type in its own file.
 struct AntialiasKind {
   std::string_view name; // value of --antialias
   std::string_view summary;

@@ -1,4 +1,4 @@
-// What is known of a technique of ambient occlusion in screen space before there is a device.
+// Description of a technique of ambient occlusion in screen space, which needs no device.
 #pragma once
 
 #include <span>
@@ -8,12 +8,12 @@
 
 namespace wavepath {
 
-// One constant for each stands in its file.
+// Each technique defines one constant of this type in its own file.
 struct OcclusionKind {
   std::string_view name; // value of --occlusion
   std::string_view summary;
-  std::span<const std::string_view> settings{};        // that it takes besides ao-samples and ao-radius
-  const KernelProgram* program = nullptr;              // of one stage, with screen_space_layout()
+  std::span<const std::string_view> settings{};        // settings that it supports besides ao-samples and ao-radius
+  const KernelProgram* program = nullptr;              // a program of one stage, with screen_space_layout()
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 

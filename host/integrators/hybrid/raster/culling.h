@@ -14,7 +14,7 @@ namespace wavepath {
 
 // Triangles that lie together, because they lie together in the order of the tree; bounds in device world space.
 struct Chunk {
-  Draw draw; // of one instance
+  Draw draw; // draw of one instance
   glm::dvec3 centre{0.0}, half{0.0};
 };
 std::vector<Chunk> make_chunks(const PackedScene& scene);

@@ -11,13 +11,13 @@
 
 namespace wavepath {
 
-// How much work goes into one submission: adapted from frame to frame by how long the slices of the last one took.
+// Amount of work in one submission, adapted from frame to frame to the time that the slices of the last one took.
 class SliceLength {
 public:
   // The first size is a guess; units are the caller's.
   explicit SliceLength(std::uint64_t first) : size_(first) {}
 
-  // Of the slices of the frame that begins.
+  // Work in each slice of the frame that begins.
   std::uint64_t next_frame();
   void note(double seconds) {
     seconds_ += seconds;
@@ -26,19 +26,19 @@ public:
 
 private:
   std::uint64_t size_;
-  double seconds_ = 0.0; // of the pieces of the last frame, as they are done
+  double seconds_ = 0.0; // seconds of the finished pieces of the last frame
   std::uint64_t count_ = 0;
 };
 
-// What is drawn, and where. All of it outlives the work submitted.
+// A raster pass that is drawn in slices. Everything that it refers to must outlive the submitted work.
 struct SlicedPass {
   RasterTarget* target = nullptr;
   const RasterPipeline* pipeline = nullptr;
   const BindingSet* bindings = nullptr;
   const void* push = nullptr; // copied when it is recorded
   std::uint32_t layer = 0;
-  const char* stage = "raster";    // that the time is counted under
-  std::uint32_t clear = kClearAll; // at first; it is drawn over what is not cleared
+  const char* stage = "raster";    // stage that the time is counted under
+  std::uint32_t clear = kClearAll; // attachments that the first slice clears; the others keep their contents
 };
 
 // Submits the draws in slices of at most `triangles`; `before` is recorded in front of the first one, `after` behind

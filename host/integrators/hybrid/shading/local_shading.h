@@ -15,11 +15,11 @@
 
 namespace wavepath {
 
-// One constant for each stands in its file.
+// Each model defines one constant of this type in its own file.
 struct ShadingKind {
   std::string_view name; // value of --shading
   std::string_view summary;
-  std::span<const std::string_view> settings{};        // that it takes
+  std::span<const std::string_view> settings{};        // settings that it supports
   const KernelProgram* program = nullptr;              // its only stage shades; the layout is local_layout()
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
@@ -51,7 +51,7 @@ private:
   const ShadingKind& kind_;
   KernelNeed need_;
   Buffer frame_buffer_;
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
 } // namespace wavepath

@@ -1,5 +1,4 @@
-// The registry of shadow techniques, what they cover of a scene, what they refuse, and their rows in the table of
-// settings.
+// The registry of shadow techniques, the lights and scenes that they support, and their rows in the table of settings.
 #pragma once
 
 #include <string>
@@ -10,23 +9,23 @@
 
 namespace wavepath {
 
-// Rays are built in.
+// The built-in value is traced shadow rays.
 extern const Registry<ShadowKind> kShadowTechniques;
 
 std::vector<Setting> shadow_rows();
 
-// The lights of a scene, under a technique.
+// The lights of a scene that a technique covers, and the others.
 struct LightCover {
   std::vector<ShadowSource> covered;
-  std::string traced; // the others, in words; empty if there are none
+  std::string traced; // names of the lights that are traced; empty if there are none
 };
 LightCover light_cover(const ShadowKind& kind, const PackedScene& scene);
-// Why the technique has nothing to do in this scene; empty if it has.
+// Reason why the technique has nothing to do in this scene; empty if it has.
 std::string unsupported_reason(const ShadowKind& kind, const PackedScene& scene);
-// Throws Error if there are none.
+// The lights that the technique covers. Throws Error if there are none.
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene);
 
-// Throws UsageError if settings do not go with the technique that they name.
+// Throws UsageError if settings contradict the technique that they name.
 void check_shadow_settings(const RenderPlan& settings);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Lamps among emissive triangles: rectangles, discs and spheres that they make up together.
+// Finds lamps among emissive triangles: rectangles, discs and spheres that they form.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace wavepath {
 
-// An emissive triangle in device world.
+// An emissive triangle, in the device's world space.
 struct Facet {
-  std::uint32_t light; // of PackedScene::lights
+  std::uint32_t light; // index in PackedScene::lights
   std::array<glm::dvec3, 3> corners;
-  glm::dvec3 normal; // area times unit length
+  glm::dvec3 normal; // unit normal times area
 };
 
-// Triangles that touch one another and together are a sphere, or a rectangle or a disc of their plane. Corners touch
-// where they are equal to the bit. What is none of these is in no source.
+// Groups of touching triangles that form a sphere, or a rectangle or a disc of their plane. Corners touch if they are
+// equal to the bit. Other triangles are in no source.
 std::vector<ShadowSource> find_lamps(const std::vector<Facet>& facets);
 
 } // namespace wavepath

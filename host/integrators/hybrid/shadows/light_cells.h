@@ -1,5 +1,5 @@
-// Which cells of a light's view every triangle covers, conservatively: whatever rounding does to a shadow ray that was
-// listed in a cell, a triangle that the ray's own test may find is put against that cell.
+// Finds the cells of a light's view that every triangle covers. It is conservative: a shadow ray is listed in one cell,
+// and every triangle that the ray's test may hit is listed in that cell as well, whatever the rounding.
 //
 // A ray from o towards a light at L is the line from o to L but for an error e of its direction (two roundings) and of
 // the view's rows (one each): no point of it is farther than 2^-20 * R from that line, where R bounds the coordinates
@@ -18,13 +18,13 @@
 
 namespace wavepath {
 
-// Sets ShadowView::radius to how much triangles are grown by, ShadowView::texel to how far rays may pass their light by
-// (of a sun: the length by which directions may differ), and ShadowView::near to the least w of points whose cell is
-// known well enough. `lo`, `hi`: box of the scene. Views are parallel or in perspective.
+// Sets the bounds of a view. ShadowView::radius: distance by which triangles are grown. ShadowView::texel: distance by
+// which rays may miss their light (for a sun: length by which directions may differ). ShadowView::near: least w of
+// points whose cell is known well enough. `lo`, `hi`: box of the scene. The view may be parallel or perspective.
 void bound_rounding(gpu::ShadowView& view, std::uint32_t size, const glm::dvec3& lo, const glm::dvec3& hi);
 
-// For kBindIzbItems, in the order of the views, each of size * size cells. Triangles are cut to the view and into
-// pieces of some ten cells' sides, so that none takes long.
+// Data of kBindIzbItems, in the order of the views, each of size * size cells. Triangles are clipped to the view and
+// cut into pieces of about ten cells' sides, so that none takes long.
 std::vector<glm::uvec4> cover_cells(const PackedScene& scene, const std::vector<gpu::ShadowView>& views,
                                     std::uint32_t size);
 

@@ -1,4 +1,4 @@
-// Where the scene's triangles stand in the atlas of a lightmap.
+// Layout of the scene's triangles in the atlas of a lightmap.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace wavepath {
 
-// As kernels/hybrid/shadows/lightmap_types.h has it.
+// Charts, in the layout of kernels/hybrid/shadows/lightmap_types.h.
 struct LightmapCharts {
-  std::vector<std::uint32_t> first; // by instance
-  std::vector<glm::uvec2> charts;   // by placed triangle
-  std::vector<glm::uvec2> texels;   // by texel of the atlas
-  std::uint32_t count = 0;          // charts: pairs of triangles, and single ones
+  std::vector<std::uint32_t> first; // for each instance
+  std::vector<glm::uvec2> charts;   // for each placed triangle
+  std::vector<glm::uvec2> texels;   // for each texel of the atlas
+  std::uint32_t count = 0;          // number of charts: pairs of triangles, and single ones
 };
 
-// Entries of `charts`.
+// Size of `charts`.
 std::uint64_t placed_triangles(const PackedScene& scene);
 
-// Charts are squares. A pair of triangles that share an edge and lie in one plane fills one, each a half of it; a
-// triangle without such a neighbour has one to itself. Their area goes by that in the world, by one factor for all, the
-// largest with which the atlas holds them, but a chart has one texel at least. They stand on shelves, the largest
-// first. Nothing is left between them. `count` alone is set if there are more charts than texels.
+// Makes the charts, which are squares. Two triangles of one plane that share an edge fill one chart, each a half of it;
+// other triangles have a chart of their own. Areas are proportional to those in the world, by the largest common factor
+// that fits the atlas, but at least one texel. Charts are placed on shelves, the largest first, without gaps. If there
+// are more charts than texels, only `count` is set.
 LightmapCharts make_lightmap_charts(const PackedScene& scene, std::uint32_t size);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// What shadow techniques share that answer rays from buffers of their own: kernels, buffers, and their bindings.
+// Base of shadow techniques that answer rays from buffers of their own: kernels, buffers, bindings.
 #pragma once
 
 #include <memory>
@@ -12,40 +12,39 @@
 
 namespace wavepath {
 
-// Numbers and kinds of the bindings of such kernels, without buffers: those of paths, of the technique's buffers, and
-// of the frame.
+// Numbers and kinds of their bindings, without buffers: those of paths, of the technique's buffers, and of the frame.
 std::vector<Binding> look_up_layout(std::span<const BufferRule> rules);
 
 class LookUpTechnique : public ShadowTechnique {
 public:
-  // `rules` outlive the technique; the first one is of kBindShadowFrame.
+  // `rules` must outlive the technique; the first one is that of kBindShadowFrame.
   LookUpTechnique(const ShadowContext& context, std::span<const BufferRule> rules);
 
   bool is_ready() override { return kernels_.ready(need_); }
   double get_ready() override { return kernels_.best(need_).seconds(); }
-  // By stage 0 of the program.
+  // Uses stage 0 of the program.
   void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint64_t bytes() const override { return buffers_.bytes() + (target_ ? target_->bytes() : 0); }
 
 protected:
   void start_kernels(const View& view, const RenderPlan& settings);
   void upload_frame(const gpu::ShadowFrame& frame);
-  // By light: the source that it belongs to, and 1; kNone and 0 for one that is not covered.
+  // For each light: its source, and 1; kNone and 0 if it is not covered.
   std::vector<glm::uvec2> sources_of_lights() const;
-  // `shared`: as change() is given it.
+  // Makes the binding sets. `shared`: argument of change().
   void bind(const std::vector<Binding>& shared);
-  // For draws, and kernels in their place, which know no paths. Pipelines of the set before are gone by then. `frame`:
-  // bindings among which are those of the frame, if draws look at these.
+  // Makes the set for draws, and for kernels in their place, which know no paths. Pipelines of the old set must be
+  // gone. `frame`: bindings that include those of the frame, if draws use these.
   void bind_draws(const std::vector<Binding>& frame);
 
   const ShadowKind& kind_;
   Workspace& workspace_;
   KernelCompiler& kernels_;
-  std::vector<ShadowSource> sources_; // that it covers
+  std::vector<ShadowSource> sources_; // sources that it covers
   KernelNeed need_;
   BufferSet buffers_;
-  std::unique_ptr<RasterTarget> target_;          // null = it draws nothing
-  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  std::unique_ptr<RasterTarget> target_;          // null if it draws nothing
+  std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
   std::unique_ptr<BindingSet> raster_set_;
 };
 

@@ -1,4 +1,4 @@
-// How large maps are where --shadow-size is left at its default, and the device cannot hold as many of that size.
+// Size of maps if --shadow-size has its default and the device cannot hold all maps of that size.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace wavepath {
 
-// The size that is set; or where that is the default and does not fit, the largest multiple of 16 that does, so that
-// defaults render whatever the number of lights. `fits`: whether the device can hold what a technique keeps at that
-// size. A size that was chosen, and a scene that no size is small enough for, are left to be refused.
+// Returns the size that is set. If it is the default and does not fit, returns the largest multiple of 16 that does, so
+// that defaults render any number of lights. `fits`: tells whether the device can hold the technique's data at a size.
+// A size that the user chose, and a scene for which no size fits, are refused later.
 template <class Fits>
 std::uint32_t size_that_fits(std::uint32_t set, Fits fits) {
   constexpr std::uint32_t kStep = 16; // the smallest map

@@ -1,4 +1,4 @@
-// Triangles of the packed scene where they are placed, in double precision.
+// Triangles of the packed scene as their instances place them, in double precision.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-// Device world. `instance`: null in a scene without instances.
+// Corners of a triangle in the device's world space. `instance`: null in a scene without instances.
 inline std::array<glm::dvec3, 3> placed_corners(const gpu::Triangle& triangle, const gpu::Instance* instance) {
   std::array<glm::dvec3, 3> corners = {glm::dvec3(triangle.v0), glm::dvec3(triangle.v1), glm::dvec3(triangle.v2)};
   for (glm::dvec3& corner : corners) {
@@ -25,7 +25,7 @@ inline const gpu::Instance* instance_of(const PackedScene& scene, std::uint32_t 
   return scene.root_is_top ? &scene.instances[index] : nullptr;
 }
 
-// visit(t): every triangle of a draw once, by its index: spatial splits make copies.
+// Calls visit(t) once for every triangle of a draw, by its index; copies made by spatial splits are skipped.
 template <typename Visit>
 void for_each_triangle(const PackedScene& scene, const Draw& draw, const Visit& visit) {
   std::unordered_set<std::uint32_t> known;

@@ -1,4 +1,4 @@
-// What views of lights are fitted to: the scene's extent, and the part of it that the camera sees.
+// Extents to which views of lights are fitted: that of the scene, and that of its visible part.
 #pragma once
 
 #include <span>
@@ -8,10 +8,11 @@
 
 namespace wavepath {
 
-// The camera with the margin around its picture that the filters of pixels at the rim look at.
+// The camera with a margin around its picture, for filters of pixels at the rim.
 View with_filter_margin(View view, const RenderPlan& settings);
 
-// `world`: the camera, not moved by the scene's origin. Size and guard are left to the caller.
+// Extents of the scene and of its visible part. `world`: the camera in world space. Leaves size and guard to the
+// caller.
 ShadowFit fit_to_scene(const PackedScene& scene, std::span<const Chunk> chunks, const View& world);
 
 } // namespace wavepath

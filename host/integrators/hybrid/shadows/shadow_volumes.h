@@ -1,4 +1,5 @@
-// Shadow volumes in a stencil buffer, counted in front of what is seen or behind it.
+// Shadow volumes (Crow 1977) in a stencil buffer, counted in front of visible surfaces (z-pass) or behind them
+// (z-fail).
 #pragma once
 
 #include <memory>
@@ -7,7 +8,7 @@
 
 namespace wavepath {
 
-extern const KernelProgram kVolumeProgram; // looks up, however volumes are counted
+extern const KernelProgram kVolumeProgram; // the look-up, the same for both ways of counting
 
 enum class VolumeCount { in_front, behind };
 

@@ -1,5 +1,4 @@
-// A light of a scene as shadow techniques see it: a lamp, a sun, or emissive triangles that together are a rectangle, a
-// disc or a sphere.
+// A light source of shadow techniques: a lamp, a sun, or emissive triangles that form a rectangle, a disc or a sphere.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +15,14 @@ inline constexpr unsigned kPunctualSources = kDirectionalSource | kSpotSource | 
                           kAreaSources = kRectangleSource | kDiscSource | kSphereSource,
                           kAllSources = kPunctualSources | kAreaSources;
 
-// In device world.
+// A source, in the device's world space, metres.
 struct ShadowSource {
   unsigned kind = 0;
-  glm::dvec3 position{0.0};             // its middle; none of a directional one
-  glm::dvec3 direction{0.0, 0.0, -1.0}; // in which it shines, of unit length; none of a point or a sphere
-  double half_angle = 0.0;              // of a spot's cone, radians
-  glm::dvec3 u{0.0}, v{0.0};            // from the middle to the rim of a rectangle, disc or sphere, at right angles
-  std::vector<std::uint32_t> lights;    // of PackedScene::lights
+  glm::dvec3 position{0.0};             // centre; unused for a directional source
+  glm::dvec3 direction{0.0, 0.0, -1.0}; // direction of emission, unit length; unused for points and spheres
+  double half_angle = 0.0;              // half angle of a spot's cone, radians
+  glm::dvec3 u{0.0}, v{0.0}; // vectors from the centre to the rim of a rectangle, disc or sphere, at right angles
+  std::vector<std::uint32_t> lights; // indices in PackedScene::lights
 };
 
 } // namespace wavepath

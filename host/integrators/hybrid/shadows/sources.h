@@ -1,4 +1,4 @@
-// Finds the lights of a scene as shadow techniques see them.
+// Finds the light sources of a scene for shadow techniques.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace wavepath {
 
-// All sources; emissive triangles that are part of no such shape belong to none.
+// All sources. Emissive triangles that form no such shape belong to none.
 std::vector<ShadowSource> find_sources(const PackedScene& scene);
 
-// How many lights there are to be told apart: sources, and lights of the scene that are in none.
+// Number of distinct lights: sources, and lights of the scene that belong to none.
 std::size_t count_lights(const PackedScene& scene);
 
-// "2 suns, 1 spot": how many sources of each kind; "nothing" if there are none.
+// Number of sources of each kind, as "2 suns, 1 spot"; "nothing" if there are none.
 std::string names_of(const std::vector<ShadowSource>& sources);
-// "suns, spots": the kinds.
+// Names of the kinds, as "suns, spots".
 std::string names_of(unsigned kinds);
 
 } // namespace wavepath

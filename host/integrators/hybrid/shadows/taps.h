@@ -1,4 +1,4 @@
-// Patterns of the positions that a shadow map's filter looks at.
+// Patterns of the taps of a shadow map's filter.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace wavepath {
 
-// `count` positions with |x|, |y| <= 1 (xy of each), by a kPattern constant: of a grid the largest square of a whole
-// number of positions that is not above `count`, on a square; of all others in the unit disc.
+// Positions with |x|, |y| <= 1, in the xy of each element, for a kPattern constant. The grid fills a square with the
+// largest square number of positions up to `count`. The other patterns have `count` positions in the unit disc.
 std::vector<glm::vec4> filter_taps(std::uint32_t pattern, std::uint32_t count);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Shadow techniques: what is known of one before there is a device, and one at work, which answers the shadow rays of
+// Shadow techniques: the description of one, which needs no device, and one at work, which answers shadow rays of
 // hybrid frames for the lights that it covers.
 #pragma once
 
@@ -24,46 +24,46 @@ class ShadowTechnique {
 public:
   virtual ~ShadowTechnique() = default;
 
-  // Takes up view and settings: begins compiling and reserves memory. `shared`: bindings of the frame's own buffers,
-  // which look_up() may read: paths, kBindHybrid, kBindVisibility; they outlive the technique. Nothing is in flight.
-  // Throws Error if the device cannot hold it.
+  // Adopts view and settings: begins compiling and reserves memory. `shared`: bindings of the frame's own buffers,
+  // which look_up() may read: paths, kBindHybrid, kBindVisibility; the buffers must outlive the technique. Nothing may
+  // be in flight. Throws Error if the device cannot hold it.
   virtual void change(const View& view, const RenderPlan& settings, const std::vector<Binding>& shared) = 0;
   virtual bool is_ready() = 0;
-  virtual double get_ready() = 0; // seconds that compiling took
+  virtual double get_ready() = 0; // returns the seconds of compiling
 
-  // Submits what has to be made before frame `sample`.
+  // Submits the work to be done before frame `sample`.
   virtual void build(WaveQueue& queue, std::uint32_t sample) = 0;
   // Records the answers to the shadow rays of the wave. A barrier comes before, and none after.
   virtual void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) = 0;
 
   virtual std::uint64_t bytes() const = 0;
-  virtual std::uint32_t view_count() const = 0; // directions from lights that it keeps something of
-  virtual void describe(ShadowReport&) const {} // what only some techniques know; nothing is in flight
+  virtual std::uint32_t view_count() const = 0; // views from lights that it stores data of
+  virtual void describe(ShadowReport&) const {} // adds results of this technique; nothing may be in flight
 };
 
 struct ShadowKind;
 struct ShadowMapRecipe; // shadow_maps.h
 
-// What a technique is made of.
+// Arguments for making a technique.
 struct ShadowContext {
   const ShadowKind& kind;
   Workspace& workspace;
   KernelCompiler& kernels;
-  std::vector<ShadowSource> sources; // that it covers
+  std::vector<ShadowSource> sources; // sources that it covers
 };
 
-// One constant for each stands in its file.
+// Description of a technique. Each technique defines one constant in its own file.
 struct ShadowKind {
   std::string_view name; // value of --shadows
   std::string_view summary;
-  unsigned sources = 0;                         // kinds that it covers
-  std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
-  const KernelProgram* program = nullptr;       // its kernels, those of draws left out
-  const ShadowMapRecipe* maps = nullptr;        // of a technique of maps
+  unsigned sources = 0;                         // kinds of sources that it covers; bits
+  std::span<const std::string_view> settings{}; // settings that it supports besides shadow-ambient
+  const KernelProgram* program = nullptr;       // its kernels, without the shaders of draws
+  const ShadowMapRecipe* maps = nullptr;        // for a technique of maps; null for others
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
-  // Why a scene does not suit it; null = it asks for lights alone.
+  // Reason why it cannot be used in a scene; empty = it can. Null = it depends on the lights alone.
   std::string (*refusal)(const PackedScene& scene) = nullptr;
-  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
+  void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError if settings contradict it
 };
 
 } // namespace wavepath

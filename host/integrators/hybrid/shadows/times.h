@@ -1,4 +1,4 @@
-// What a shadow technique takes, frame by frame: to build what it looks shadows up in, and to look them up.
+// Times of a shadow technique in each frame: building its data, and looking shadows up.
 #pragma once
 
 #include "host/render/loop/frame_times.h"

@@ -1,4 +1,4 @@
-// What a light's view shows: frusta fitted to what casts shadows and to what receives them.
+// Views of lights: frusta fitted to casters and receivers of shadows.
 #pragma once
 
 #include <cstdint>
@@ -14,44 +14,45 @@
 
 namespace wavepath {
 
-inline constexpr double kFitPadding = 1e-4; // relative, of what is fitted
+inline constexpr double kFitPadding = 1e-4; // padding, relative to the fitted extent
 
-// Device world, metres.
+// Extents to fit views to, in the device's world space, metres.
 struct ShadowFit {
-  glm::dvec3 lo{0.0}, hi{0.0};          // box of all that casts shadows
-  double radius = 0.0;                  // of the scene
-  std::vector<glm::dvec3> receivers;    // corners of a convex body that holds all that the camera sees
+  glm::dvec3 lo{0.0}, hi{0.0};          // box of all casters
+  double radius = 0.0;                  // radius of the scene
+  std::vector<glm::dvec3> receivers;    // corners of a convex body around everything that the camera sees
   std::uint32_t size = 0;               // texels along a side of a view
-  double guard = 0.0;                   // texels around what a view is for, for filters to look at
-  double nearest = 0.0, farthest = 0.0; // depths of the camera between which the receivers are
+  double guard = 0.0;                   // margin in texels, for filters
+  double nearest = 0.0, farthest = 0.0; // range of camera depths that contains the receivers
 };
 
-// Corners of the part of the box that the camera sees between two depths; empty if there is none. `view` in the world
-// moved by -origin.
+// Corners of the part of the box that the camera sees between two depths; empty if there is none. `view`: in the
+// device's world space.
 std::vector<glm::dvec3> seen_corners(const View& view, const glm::dvec3& lo, const glm::dvec3& hi, double nearest,
                                      double farthest);
 
-// A view along parallel rays that shows the receivers, and all that is between them and the light.
+// A parallel view that shows the receivers, and everything between them and the light.
 gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction);
-// The same as wide as points that are not all of the receivers, but as deep as all of them.
+// The same, but only as wide as `shown`, a part of the receivers; as deep as all receivers.
 gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction, std::span<const glm::dvec3> shown);
 
-// A view from a point: `tangent`: of the half angle that it shows; `radius`: of a lamp around it; `first`: depth before
-// which nothing casts a shadow, if it is not the least there can be.
+// A perspective view from a point. `tangent`: of its half angle. `radius`: of a lamp around the point. `first`: depth
+// before which nothing casts a shadow, if it is more than the minimum.
 gpu::ShadowView perspective_view(const ShadowFit& fit, const glm::dvec3& position, const glm::dvec3& forward,
                                  const glm::dvec3& up, double tangent, double radius = 0.0, double first = 0.0);
 
 // Six views that together show all directions, from a point or from the middle of a sphere, which they do not show.
 std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position, double radius = 0.0);
 
-// Two that do, as paraboloid mirrors: of what is below the light, where most of what lamps shine on is, and above it.
+// Two views that do so, as paraboloid mirrors: of the half space below the light, where most lit surfaces are, and of
+// that above.
 std::vector<gpu::ShadowView> paraboloid_views(const ShadowFit& fit, const glm::dvec3& position);
 
-// The usual ones: parallel for suns, one in perspective for spots and for rectangles and discs, seen from the middle,
-// a cube for points, spheres and wide spots.
+// The usual views of a source: parallel for suns; one perspective for spots, rectangles and discs, from the centre; a
+// cube for points, spheres and wide spots.
 std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSource& source);
 
-// What a box must reach into to be in a view.
+// Half spaces that a box must reach into to be visible in a view.
 std::vector<HalfSpace> frustum_of(const gpu::ShadowView& view);
 
 } // namespace wavepath

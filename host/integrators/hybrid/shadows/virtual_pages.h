@@ -1,4 +1,4 @@
-// Virtual shadow maps: which of their pages are resident, where these are kept, and in which tiles they are drawn.
+// Virtual shadow maps: the resident pages, their slots, and the tiles in which they are drawn.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-// A part of a view that is drawn at once, and where its resident pages go.
+// A part of a view that is drawn at once, and the destinations of its resident pages.
 struct PageTile {
   std::uint32_t view = 0, number = 0; // row by row within the view
   std::vector<ImagePart> pages;
@@ -17,7 +17,7 @@ struct PageTile {
 
 class VirtualPages {
 public:
-  // No page is resident then. `views` of size x size texels.
+  // Makes a set without resident pages, for `views` views of size x size texels.
   VirtualPages(std::uint32_t views = 0, std::uint32_t size = 1);
 
   // Makes the pages resident whose word is not 0, view by view, row by row, as long as there are fewer than `most`.
@@ -31,15 +31,15 @@ public:
 
   std::uint32_t tile_size() const; // texels along a side
   std::uint32_t tiles_of_view() const;
-  // Those that have pages in a slot from `first_slot` on, with these pages alone.
+  // The tiles that have pages in slots from `first_slot` on, each with these pages only.
   std::vector<PageTile> tiles(std::uint32_t first_slot) const;
-  // What is drawn of a view for its tile of that number. With one tile, the view itself.
+  // The part of a view that is drawn for its tile of that number. If there is only one tile, the view itself.
   gpu::ShadowView view_of(std::uint32_t tile, const gpu::ShadowView& whole) const;
 
 private:
   std::uint32_t size_, across_;      // texels, pages along a side of a view
-  std::vector<std::uint32_t> slots_; // by page
-  std::vector<std::uint32_t> pages_; // by slot
+  std::vector<std::uint32_t> slots_; // for each page
+  std::vector<std::uint32_t> pages_; // for each slot
 };
 
 } // namespace wavepath

@@ -19,7 +19,7 @@ namespace wavepath {
 // Pieces as kernels/hybrid/shadows/volume_types.h has them. The order of a cap's corners is that of its triangle, which
 // its depths depend on to the bit; so those that face away from the light stand apart, and count the other way round.
 struct VolumePieces {
-  std::vector<glm::uvec2> outwards, inwards; // by which way they face
+  std::vector<glm::uvec2> outwards, inwards; // by the direction that they face
 };
 
 // The casters of a scene, corners at the same position welded.
@@ -38,9 +38,9 @@ private:
   struct Caster {
     std::uint32_t triangle, instance;
     glm::dvec3 corner, normal; // device world; of no particular length
-    std::uint32_t edges[3];    // of corners 0 and 1, 1 and 2, 2 and 0
+    std::uint32_t edges[3];    // edges between corners 0 and 1, 1 and 2, 2 and 0
     signed char directions[3]; // 1: as the edge, -1: the other
-    bool lit_from_behind;      // by light that its back faces
+    bool lit_from_behind;      // true if light reaches it from behind
     bool flipped;              // its front is where the corners' order is clockwise
   };
 
