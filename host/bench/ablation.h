@@ -1,4 +1,4 @@
-// What each feature that this scene leaves out would cost it.
+// Measures the cost of each feature that this scene leaves out.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace wavepath {
 
 struct AblationRow {
   std::string left_out;
-  double cost_ms = 0.0; // of a render of `base_ms`, median over turns
+  double cost_ms = 0.0; // cost in a render of `base_ms`, median over turns
   double base_ms = 0.0;
   std::int64_t cost_bytes = 0; // device memory, buffers of the path state and data of the scene
   double cost_compile_ms = 0.0;

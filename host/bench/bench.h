@@ -19,7 +19,7 @@ namespace wavepath {
 
 struct BenchSettings {
   RenderPlan render;
-  std::uint32_t repetitions = 7; // of every measurement; rivals take turns
+  std::uint32_t repetitions = 7; // repetitions of every measurement; compared variants take turns
   bool ablate = false, structures = false;
 };
 
@@ -46,9 +46,9 @@ struct BenchStage {
 
 struct PathTracing {
   std::uint32_t spp = 0; // of a render
-  Summary seconds;       // of a render, wall
+  Summary seconds;       // wall time of a render
   double mrays_per_second = 0.0;
-  double traversal_fraction = 0.0; // of the kernels' time that extend and connect take
+  double traversal_fraction = 0.0; // fraction of the kernels' time that extend and connect take
   std::uint64_t bytes_per_path = 0;
 };
 
@@ -59,9 +59,9 @@ struct BenchResult {
   PathTracing path_tracing;
   double compile_seconds = 0.0;
   std::optional<double> embree_build_seconds;
-  std::optional<QueryComparison> queries; // where rays are traced by the device's ray queries
+  std::optional<QueryComparison> queries; // if the device's ray queries trace rays
   std::vector<AblationRow> ablation;      // empty unless asked for
-  std::vector<StructureRow> structures;   // likewise
+  std::vector<StructureRow> structures;   // only if asked for
 };
 
 // The rays are those of the first sample of every pixel, as many as are in flight at once; they are traced by our own

@@ -1,4 +1,4 @@
-// What `wavepath bench` measures when no scene is named.
+// The scene that `wavepath bench` measures if none is named.
 #pragma once
 
 #include "host/scene/scene.h"

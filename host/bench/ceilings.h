@@ -9,7 +9,7 @@ namespace wavepath {
 
 struct Ceilings {
   double load16_per_second = 0.0; // random loads of 16 bytes, as traversal does them
-  double load64_per_second = 0.0; // of four times 16 bytes side by side
+  double load64_per_second = 0.0; // loads of four adjacent texels of 16 bytes
   double gflops = 0.0;            // multiply-adds count as two
 };
 

@@ -14,11 +14,11 @@ namespace wavepath {
 enum RayKind : std::size_t { kCameraRays, kBounceRays, kShadowRaysKind, kRayKindCount };
 inline constexpr const char* kRayKindNames[kRayKindCount] = {"camera", "bounce", "shadow"};
 
-// How many rays of each kind there are.
+// Number of rays of each kind.
 std::array<std::size_t, kRayKindCount> count_rays(const RaySets& rays);
 
 struct Contestant {
-  std::function<double(RayKind)> seconds; // that all rays of a kind take, once
+  std::function<double(RayKind)> seconds; // seconds for all rays of a kind, once
   std::array<std::vector<double>, kRayKindCount> measured{};
 };
 

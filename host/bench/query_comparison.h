@@ -16,8 +16,8 @@ struct QueryRate {
 };
 
 struct QueryComparison {
-  double upload_seconds = 0.0; // of the scene, with building the driver's structures
-  std::uint64_t bytes = 0;     // of these structures, the triangles and the instances
+  double upload_seconds = 0.0; // seconds of uploading the scene and building the driver's structures
+  std::uint64_t bytes = 0;     // bytes of these structures, the triangles and the instances
   std::array<QueryRate, kRayKindCount> rays;
 };
 

@@ -12,7 +12,7 @@ namespace wavepath {
 
 struct RaySets {
   std::vector<gpu::Ray> camera, bounce;
-  // Those that next-event estimation sends; where it sends hardly any, the bounce rays, unbounded.
+  // The shadow rays of next-event estimation; if it sends hardly any, the bounce rays, unbounded.
   std::vector<gpu::ShadowRay> shadow;
 };
 
@@ -23,24 +23,25 @@ public:
   RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
             KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
-  double upload_seconds() const { return workspace_.upload_seconds; } // of the scene, 0 if it was there
+  // Seconds of uploading the scene; 0 if it was uploaded before.
+  double upload_seconds() const { return workspace_.upload_seconds; }
   const DeviceScene& device_scene() const { return *workspace_.on_device; }
 
-  // Of the first sample of as many pixels, in tile order, as there are slots.
+  // Captures the rays of the first sample of as many pixels, in tile order, as there are slots.
   RaySets capture();
 
   // Seconds on the device that finding the closest hits takes; at most slots() rays.
   double extend(std::span<const gpu::Ray> rays, bool from_camera);
-  std::vector<gpu::Hit> hits(std::size_t count) const; // of the last extend
+  std::vector<gpu::Hit> hits(std::size_t count) const; // hits of the last extend
   // Distances to the hits of the last extend, infinite for a miss. `scene` is what this was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
 
   // The same for finding which shadow rays are blocked.
   double connect(std::span<const gpu::ShadowRay> rays);
-  std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // of the last connect
+  std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // results of the last connect
 
 private:
-  gpu::Wave first_wave() const; // of the first sample of as many pixels as there are slots
+  gpu::Wave first_wave() const; // wave of the first sample of as many pixels as there are slots
   double time(PathStage stage, const gpu::Queues& queues, std::size_t count, std::uint32_t bounce);
 
   Workspace workspace_;

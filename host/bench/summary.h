@@ -10,7 +10,7 @@ struct Summary {
   double spread = 0.0; // interquartile range over the median
 };
 
-// Of at least one value.
+// Summarizes values, at least one.
 Summary summarize(std::vector<double> values);
 
 // Medians of a and b, measured in turns: a over b.

@@ -1,4 +1,4 @@
-// How much work rays are, by the CPU reference traversal: the same visits and tests as the kernels'.
+// Work of rays, counted by the CPU reference traversal: the same visits and tests as in the kernels.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,7 @@ struct Rows {
       : film(film_),
         begin((first > 0 ? first - 1 : 0) * film.width),
         pixels(std::min<std::size_t>(end + 1, film.height) * film.width - begin) {
-    // Of some pixels in a row the same, by quads of those of equal rank.
+    // The same for consecutive pixels; with quads, for each rank.
     std::array<std::optional<ReplicateDifference>, gpu::kQuadPixels> ranks;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const std::size_t pixel = begin + i, block = film.has_probes ? block_of(film, pixel) : pixel;
@@ -40,7 +40,7 @@ struct Rows {
       pixels[i] = statistics(film, pixel, *replicates);
     }
   }
-  // By the index of the pixel in the picture.
+  // `index`: of the pixel in the picture.
   const PixelStatistics& operator[](std::size_t index) const { return pixels[index - begin]; }
 
   const Film& film;
@@ -77,7 +77,7 @@ glm::dvec3 weight(const Rows& rows, std::size_t index, double least_noise) {
   return 1.0 / (glm::min(r * r, own.mean * own.mean) + kFloor);
 }
 
-// What a pixel's largest sample, as a mean over R G B, contributes to its mean.
+// Contribution of a pixel's largest sample to its mean, averaged over R G B.
 double largest_alone(const Film& film, std::size_t index) {
   const double alone = largest_sample(film, index) / 3.0 / std::max(sample_count(film, index), 1u);
   if (film.splats.empty()) return alone;
@@ -90,7 +90,7 @@ double largest_alone(const Film& film, std::size_t index) {
   return std::max(alone, splat / std::max(paths, 1.0));
 }
 
-// Of squared errors of pixels, weighed; by quads, of the means of quads.
+// Weighted sums of squared errors of pixels; with quads, of the means of quads.
 struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
 
@@ -227,7 +227,7 @@ double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against) {
     n += 1.0, sx += x, sy += y, sxx += x * x, sxy += x * y;
   }
   const double determinant = n * sxx - sx * sx;
-  constexpr double kMonteCarlo = -0.5; // what any unbiased method does in the limit
+  constexpr double kMonteCarlo = -0.5; // slope of any unbiased method in the limit
   return n >= 3.0 && determinant > 1e-9 ? (n * sxy - sx * sy) / determinant : kMonteCarlo;
 }
 

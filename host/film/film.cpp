@@ -177,7 +177,7 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
   } else if (name == "emission") {
     add_channels(picture, "emission.", "RGB", [&](std::size_t i, int c) { return aovs[i].emission[c]; });
   } else if (name == "indirect") {
-    // What is left of the picture, so that emission + direct + indirect adds up to it.
+    // The rest of the picture, so that emission + direct + indirect adds up to it.
     add_channels(picture, "indirect.", "RGB", [&](std::size_t i, int c) {
       return mean_radiance(film, i)[c] - aovs[i].direct[c] - aovs[i].emission[c];
     });

@@ -36,7 +36,7 @@ std::optional<Disagreement> find_disagreement(Device& device, const PackedScene&
     for (std::size_t i = 0; i < 2; ++i) {
       RenderPlan once = pilot_settings(i == 0 ? first : second, kAgreementSide, samples);
       once.max_depth = std::min(once.max_depth, 1u);
-      once.guide = false, once.reuse = kReuseOff; // what is learned, or shared, begins at the second bounce
+      once.guide = false, once.reuse = kReuseOff; // both training and reuse begin at the second bounce
       once.seed = first.seed ^ seed;
       once.aovs.clear();
       // The kernels of the render serve, which may pass panes where there are bounces left.

@@ -48,7 +48,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
                                             const RenderPlan& settings, KernelCompiler& kernels, SceneOnDevice& shared,
                                             const ProgressCallback& progress) {
   const auto finder = std::ranges::find_if(integrators(), &IntegratorKind::splats);
-  const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
+  const IntegratorKind& kind = *settings.integrator; // only kinds that claim to find all light up to their depth
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
   if (const std::string problem = (*finder)->unsupported_reason ? (*finder)->unsupported_reason(settings, scene) : "";
@@ -59,7 +59,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   const PictureLight found = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   small.integrator = *finder;
   small.kernels.added = settings.kernels.added;
-  small.aovs.clear(); // of which it cannot give all
+  small.aovs.clear(); // the other integrator does not support all of them
   const PictureLight all = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   if (!(all.sum > 0.0)) return LostLight{};
   LostLight lost{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};

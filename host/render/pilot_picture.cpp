@@ -39,7 +39,7 @@ PictureLight light_of(const Film& film) {
     const PixelStatistics pixel = statistics(film, i);
     for (int c = 0; c < 3; ++c) light.sum += pixel.mean[c], light.variance += pixel.variance[c];
   }
-  if (film.quads) light.variance *= gpu::kQuadPixels; // at most, where the four pixels of each err quite alike
+  if (film.quads) light.variance *= gpu::kQuadPixels; // upper bound: the four pixels of a quad may have equal errors
   return light;
 }
 

@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// They return the index of the material.
+// Add a material and return its index.
 std::uint32_t add_material(Scene& scene, const Material& material);
 std::uint32_t add_emitter(Scene& scene, float radiance);                  // black, shines to its front alone
 std::uint32_t add_metal(Scene& scene, float roughness);                   // reflects all light that meets a facet

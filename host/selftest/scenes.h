@@ -25,7 +25,7 @@ void add_quad(Scene& scene, glm::vec3 corner, glm::vec3 a, glm::vec3 b, std::uin
 // A perspective camera at `eye`, looking at `target`; `yfov` in radians.
 void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target, double yfov, glm::dvec3 up = {0.0, 1.0, 0.0});
 
-// One double-sided mesh of these triangles, packed.
+// Packs one double-sided mesh of these triangles.
 PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality quality = bvh::Quality::fast);
 
 // Packs and renders with the scene's first camera.

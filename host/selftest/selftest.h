@@ -34,7 +34,7 @@ struct SelftestContext {
 struct SelftestCase {
   int row = 0; // number of the case, 1 to 44; 0 for cases without one
   const char* name = "";
-  const char* meaning = ""; // of a failure, for the user's pictures
+  const char* meaning = ""; // consequence of a failure for the user's pictures
   Measurement (*run)(const SelftestContext&) = nullptr;
 };
 
@@ -71,7 +71,7 @@ std::string_view verdict_name(Verdict verdict); // PASS, FAIL, SKIP
 
 // A measurement that passes if |measured - expected| <= tolerance (in the same unit); NaN fails.
 Measurement judge_near(double measured, double expected, double tolerance, std::string note = {});
-// One that passes if nothing was counted.
+// A measurement that passes if nothing was counted.
 Measurement judge_none(std::uint64_t failures, std::uint64_t trials, const std::string& what);
 
 } // namespace wavepath

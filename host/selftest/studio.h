@@ -14,10 +14,10 @@ namespace wavepath {
 // Square pictures without a filter's overlap between pixels, so that pixels are independent.
 RenderPlan square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth);
 
-// What several renders that differ in nothing but the seed say about the red channel.
+// Result for the red channel of several renders that differ in their seeds only.
 struct Estimate {
   double mean = 0.0;
-  double standard_error = 0.0; // of the mean, from the spread of every pixel between the seeds
+  double standard_error = 0.0; // standard error of the mean, from the spread of every pixel between the seeds
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0; // pixels
   std::uint64_t nonfinite = 0;                                              // samples
 
@@ -28,7 +28,7 @@ class Studio {
 public:
   explicit Studio(const SelftestContext& context) : context_(context), kernels_(context.device) {}
 
-  // With the scene's first camera.
+  // Renders with the scene's first camera.
   RenderResult render(Scene scene, const RenderPlan& settings);
 
   // Seeds 1 to `seeds`; from two on there is a standard error.

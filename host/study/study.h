@@ -21,16 +21,19 @@
 
 namespace wavepath {
 
-// Of the rendering time, so that the best of nine configurations still ends at several times the reference's error.
+// Fraction of the rendering time for the reference, so that the best of nine configurations still ends at several times
+// its error.
 inline constexpr double kReferenceFraction = 0.5;
-inline constexpr double kShadowReferenceFraction = 0.2; // where shadows vary: techniques have a truth of their own
-// Of the same, for the reference of ambient occlusion where the grid has any. It comes off what is left.
+// The same where shadows vary, since techniques have a truth of their own.
+inline constexpr double kShadowReferenceFraction = 0.2;
+// Fraction of the rendering time for the reference of ambient occlusion, if the grid has any. It is taken from the
+// rest.
 inline constexpr double kOcclusionFraction = 0.1;
 // Below this multiple of the reference's own error, that error is more than a tenth of the MSE measured.
 inline constexpr double kFloor = 3.0;
 
 struct StudySettings {
-  RenderPlan render; // what all configurations have in common
+  RenderPlan render; // settings common to all configurations
   std::vector<std::string> vary;
   double budget = 60.0;            // seconds of rendering in all
   std::uint32_t reference_spp = 0; // 0 = what fits into a fraction of the budget
@@ -64,21 +67,22 @@ struct StudyPoint {
   PictureMetrics metrics; // against the reference of what the picture shows
   double flip = 0.0;      // mean
   std::optional<double> estimated_error;
-  std::optional<PictureMetrics> direct, occlusion; // of these alone, where the grid has rasterized frames
-  std::optional<ShadowScore> shadows;              // where the grid varies them
-  std::optional<ShadowReport> shadow_work;         // of techniques
+  // Metrics of direct light and of occlusion alone, if the grid has rasterized frames.
+  std::optional<PictureMetrics> direct, occlusion;
+  std::optional<ShadowScore> shadows;      // if the grid varies shadows
+  std::optional<ShadowReport> shadow_work; // reports of shadow techniques
 
   double relative_rms() const;
   double efficiency() const { return 1.0 / (metrics.mse * seconds); }
   double ms_per_frame() const { return 1000.0 * seconds / spp; } // a frame is a sample of every pixel
 };
 
-// Of the last points only, because pictures are large.
+// Pictures of a configuration; of its last point only, because pictures are large.
 struct StudyPicture {
   std::size_t point = 0;
   Picture picture;
   std::vector<float> flip;
-  std::optional<Picture> false_shadows; // where the grid varies shadows
+  std::optional<Picture> false_shadows; // if the grid varies shadows
 };
 
 struct Series {
@@ -87,15 +91,14 @@ struct Series {
   std::vector<StudyPicture> pictures;
 
   bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
-  // It converges to something else than the reference.
+  // True if it converges to something other than the reference.
   bool is_biased() const {
     return configuration.settings.integrator->is_biased(configuration.settings) ||
            denoises_film(configuration.settings);
   }
 };
 
-// What it costs to find the first hits, in milliseconds a frame on the device: rasterized and
-// resolved, and traced.
+// Cost of finding first hits, in milliseconds a frame on the device: rasterized and resolved; traced.
 struct FirstHits {
   double rasterized = 0.0, traced = 0.0;
   std::uint32_t frames = 0;
@@ -108,12 +111,12 @@ struct Unsupported {
 
 struct Study {
   StudyReference reference;
-  std::optional<StudyReference> occlusion; // of ambient occlusion alone, where the grid has any
-  std::optional<FirstHits> first_hits;     // where the grid has hybrid configurations
+  std::optional<StudyReference> occlusion; // reference of ambient occlusion alone, if the grid has any
+  std::optional<FirstHits> first_hits;     // if the grid has hybrid configurations
   std::vector<Series> series;              // the naive configuration first
   std::vector<Unsupported> unsupported;
   bool interrupted = false;
-  std::string lost; // what ended it, if that was the device
+  std::string lost; // reason of the end, if the device was lost
 
   const StudyReference& reference_of(const Series& one) const { return one.shows_occlusion() ? *occlusion : reference; }
   bool at_floor(const Series& one, double relative_rms) const {

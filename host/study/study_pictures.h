@@ -18,7 +18,7 @@ StudyPictures plan_pictures(const Study& study);
 // Names within the folder of the study.
 inline constexpr const char* kReferencePicture = "pictures/reference.png";
 inline constexpr const char* kOcclusionPicture = "pictures/ao-reference.png";
-// Of one configuration, by its name: the picture, its error map, its false shadows.
+// File names for one configuration: the picture, its error map, its false shadows.
 std::vector<std::string> picture_names(const std::string& configuration);
 std::string picture_name(const Series& series);
 std::string map_name(const Series& series);

@@ -12,7 +12,7 @@
 namespace wavepath {
 
 struct StudyRecord {
-  std::string scene, command, date; // as the user gave them; date: UTC
+  std::string scene, command, date; // as the user gave them; date in UTC
   std::string repeat;               // the part that the commands to repeat every row have in common
   std::string folder;
   const DeviceInfo& device;
@@ -23,7 +23,7 @@ struct StudyRecord {
 nlohmann::ordered_json study_document(const StudyRecord& record);
 std::string study_csv(const StudyRecord& record);
 
-inline constexpr const char* kReferenceFile = "reference.exr"; // in the folder, where none is given
+inline constexpr const char* kReferenceFile = "reference.exr"; // name in the folder if no reference is given
 // The files that a study of these configurations may write into `folder`.
 std::vector<std::string> study_files(const std::string& folder, const std::vector<Configuration>& grid);
 

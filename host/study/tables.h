@@ -1,4 +1,4 @@
-// What a study concludes: every configuration at one time, and the times to common errors.
+// Tables of a study's results: every configuration at one time, and the times to common errors.
 #pragma once
 
 #include "host/study/fit.h"
@@ -24,14 +24,14 @@ struct EqualTimeRow {
   double relative_rms = 0.0, mse = 0.0, relmse = 0.0, mrse = 0.0, flip = 0.0;
   double efficiency = 0.0; // 1 / (MSE seconds)
   std::optional<double> ratio;
-  std::optional<double> scatter; // as PowerFit::scatter
+  std::optional<double> scatter; // see PowerFit::scatter
   bool as_good_as_best = false;  // the difference to the best is within the scatter of the two
   bool at_floor = false;
 };
 
 struct EqualTime {
   double seconds = 0.0;                          // the longest that every configuration was rendered for
-  std::vector<std::optional<EqualTimeRow>> rows; // by Study::series; none where the first sample took longer
+  std::vector<std::optional<EqualTimeRow>> rows; // for each of Study::series; empty if its first sample took longer
 };
 EqualTime equal_time(const Study& study);
 
@@ -42,7 +42,7 @@ struct EqualErrorRow {
 
 struct EqualError {
   double relative_rms = 0.0;
-  std::vector<EqualErrorRow> rows; // by Study::series
+  std::vector<EqualErrorRow> rows; // for each of Study::series
 };
 // At round errors (1, 2, 5, ...) that at least half of the configurations passed while being measured: the lowest
 // three. Where there is none, at the median of the errors that were reached.

@@ -19,7 +19,7 @@ public:
 
   const ViewRequest& request() const { return request_; }
   View view() const { return resolve_view(cameras_, framing_, request_, width_, height_); }
-  // Of the picture; a square until then.
+  // Size of the picture; initially a square.
   void resize(std::uint32_t width, std::uint32_t height) { width_ = width, height_ = height; }
 
   // Angles in radians, as the pointer goes: right and down are positive. The target stays where it is when orbiting,

@@ -1,4 +1,4 @@
-// What the shadows of the picture are compared with, as the user chooses it.
+// The user's choice for the comparison of shadows.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@ namespace wavepath {
 
 struct ComparisonChoice {
   bool split = false;        // the other technique is shown beside the picture
-  double at = 0.5;           // from this fraction of the width on
-  std::uint32_t against = 0; // that technique: RenderPlan::shadows
+  double at = 0.5;           // fraction of the width at which the other picture begins
+  std::uint32_t against = 0; // the other technique: a value of RenderPlan::shadows
 };
 
 } // namespace wavepath

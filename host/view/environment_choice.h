@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-// What light comes from far away, as --env, --env-intensity and --env-rotation say it.
+// The environment, as --env, --env-intensity and --env-rotation give it.
 struct EnvironmentChoice {
   std::string source; // file, R,G,B, or empty for the default
   double intensity = 1.0;

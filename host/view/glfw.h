@@ -36,13 +36,13 @@ public:
   GlfwWindow(GlfwWindow&&) = delete;
 
   GLFWwindow* handle() const { return window_; }
-  // In pixels; zero while minimised.
+  // Size in pixels; zero while minimised.
   glm::uvec2 size() const;
   bool should_close() const { return glfwWindowShouldClose(window_) != 0; }
   bool held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
   glm::dvec2 pointer() const { return input_.pointer; }
   bool dragging() const { return dragging_ >= 0; }
-  // Whether anything happened since the last call that may change what the window shows.
+  // True if anything happened since the last call that may change the contents of the window.
   bool take_events();
   Input take_input();
   // Ends a drag, because the pointer is over the panel.

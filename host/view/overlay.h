@@ -19,10 +19,10 @@ public:
   // Between them the widgets are made.
   void begin();
   void end();
-  // What was made last. Inside the swapchain's pass.
+  // Draws what was made last. Call inside the swapchain's pass.
   void draw(VkCommandBuffer commands);
 
-  // Whether pointer and keys are the widgets'.
+  // True if pointer, or keys, belong to the widgets.
   bool wants_pointer() const;
   bool wants_keys() const;
 

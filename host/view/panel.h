@@ -13,7 +13,7 @@
 
 namespace wavepath {
 
-// What the widgets change.
+// State that the widgets change.
 struct PanelState {
   bool visible = true;
   RenderPlan settings;
@@ -24,18 +24,18 @@ struct PanelState {
   std::string message;       // result of the last action, or why it failed
 };
 
-// What the panel shows but does not change.
+// Facts that the panel shows but does not change.
 struct PanelFacts {
   std::string scene, device;
   ProgressiveStatus status;
   double seconds_to_target = 0.0;
   std::vector<std::string> cameras; // names
-  std::vector<std::string> notes;   // what in the picture is approximated
+  std::vector<std::string> notes;   // approximations in the picture
   bool sets_environment = false;
-  std::optional<ShadowScore> score; // of the shadows shown, beside those compared with
+  std::optional<ShadowScore> score; // score of the shadows shown against the other ones
 };
 
-// What the user asked for since the panel was last drawn.
+// Requests of the user since the panel was last drawn.
 struct PanelWishes {
   bool settings = false, environment = false; // changed; the window has to apply them
   bool save_exr = false, save_png = false, copy = false, reset = false, frame = false;

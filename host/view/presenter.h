@@ -1,4 +1,4 @@
-// From a buffer of pixels to the screen: copied into the window's next image, the overlay drawn over it, shown.
+// Presents a buffer of pixels: copies it into the window's next image, draws the overlay over it, and shows it.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ public:
   static constexpr std::uint32_t kPresentationsInFlight = 2;
 
 private:
-  struct Presentation { // of one picture to the screen
+  struct Presentation { // resources of one presentation
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkSemaphore acquired = VK_NULL_HANDLE;
@@ -50,7 +50,7 @@ private:
   const GlfwWindow& window_;
   std::array<Presentation, kPresentationsInFlight> presentations_;
   std::uint32_t next_ = 0;
-  std::vector<VkSemaphore> drawn_; // by image: it may be shown
+  std::vector<VkSemaphore> drawn_; // for each image: signalled when it may be shown
 };
 
 } // namespace wavepath

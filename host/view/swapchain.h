@@ -11,14 +11,15 @@ namespace wavepath {
 
 class Swapchain {
 public:
-  // Without images until recreate(). Throws Error if the device cannot show anything in this window.
+  // Makes a swapchain without images, until recreate(). Throws Error if the device cannot show anything in this window.
   Swapchain(Device& device, const GlfwWindow& window);
   ~Swapchain();
   Swapchain(Swapchain&&) = delete;
 
-  // Of the size that the window has now. The queue must be idle. False if the window has no size or cannot be shown.
+  // Makes the images in the present size of the window. The queue must be idle. Returns false if the window has no size
+  // or cannot be shown.
   bool recreate();
-  // After VK_ERROR_SURFACE_LOST_KHR; then recreate().
+  // Makes the surface again after VK_ERROR_SURFACE_LOST_KHR. Call recreate() afterwards.
   void recreate_surface();
 
   VkSwapchainKHR handle() const { return swapchain_; }

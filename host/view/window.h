@@ -20,18 +20,18 @@ namespace wavepath {
 struct WindowRequest {
   std::string title;
   const Scene* scene = nullptr;        // its path, cameras and warnings; geometry may be gone by now
-  const PackedScene* packed = nullptr; // for the point that was clicked
-  Framing framing;                     // of the geometry
-  ViewRequest view;                    // what the command line said
-  // What the copied command needs besides the scene's path, camera and settings, so that render makes the same bits.
+  const PackedScene* packed = nullptr; // scene on the host, for the point that was clicked
+  Framing framing;                     // framing of the geometry
+  ViewRequest view;                    // camera flags of the command line
+  // Flags that the copied command needs besides the scene's path, camera and settings, to render the same bits.
   std::function<std::string()> more_flags;
   DisplayOptions display;        // to begin with
   EnvironmentChoice environment; // to begin with
-  ComparisonChoice comparison;   // to begin with; the render then has the AOV direct
-  double target_error = 0.0;     // to tell the time until; 0 = none
+  ComparisonChoice comparison;   // initial choice; the render then has the AOV `direct`
+  double target_error = 0.0;     // error for which the remaining time is shown; 0 = none
   std::uint32_t frames = 0; // samples a pixel after which the window closes (scripted); 0 = when the user closes it
   std::string screenshot;   // file that a scripted window writes at its end; empty = none
-  // What in a picture of these settings is approximated.
+  // Sentences about approximations in a picture with these settings.
   std::function<std::vector<std::string>(const RenderPlan&)> notes;
   // Writes a picture of the render as it is now. Throws Error.
   std::function<void(const std::string& path, const Picture&, const DisplayOptions&)> save;

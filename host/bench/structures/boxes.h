@@ -15,10 +15,10 @@ struct Reference {
   bvh::Box box;
 };
 
-// Those that have an area. `box`: around all of them; of no triangle, a point.
+// References to the triangles that have an area. `box`: receives their bounds; a point if there are none.
 std::vector<Reference> refer_to(std::span<const bvh::Triangle> triangles, bvh::Box& box);
 
-// Whether the triangle touches the box, which is widened by a little (separating axes: Akenine-Moller 2001).
+// True if the triangle touches the box, which is widened by a little (separating axes: Akenine-Moller 2001).
 bool overlaps(const bvh::Triangle& triangle, const bvh::Box& box);
 
 // The box of the triangle's part within `box`, widened by a little; none if there is no such part (Sutherland and

@@ -28,14 +28,14 @@ public:
   DeviceStructure(Device& device, std::span<const std::uint32_t> spirv, const Structure& structure,
                   std::span<const bvh::Triangle> triangles);
 
-  // Where kernels that can do either have the top of their stack: in registers on CPUs, in an array on GPUs, unless
-  // this says otherwise. Before the first rays.
+  // Chooses where kernels that can do either keep the top of their stack: in registers, or in an array. The default is
+  // registers on CPUs and an array on GPUs. To be called before the first rays.
   void put_stack_in_registers(bool in_registers) { stack_in_registers_ = in_registers; }
 
   // Seconds that the device takes for all rays; with `any_hit` it stops at the first that it finds. In dispatches that
   // no watchdog ends.
   double trace(std::span<const StructureRay> rays, bool any_hit);
-  // Of the last trace: the distance to the hit, infinite for none.
+  // Distances to the hits of the last trace; infinite for a miss.
   std::vector<float> distances() const;
   // Inner nodes or cells visited and triangles tested, for all rays; traces them anew.
   bvh::Counters count(std::span<const StructureRay> rays, bool any_hit);
@@ -43,7 +43,7 @@ public:
 
 private:
   void send(std::span<const StructureRay> rays);
-  Kernel compile(bool any_hit, bool counts) const; // for the rays that were sent last
+  Kernel compile(bool any_hit, bool counts) const; // for the latest rays
   double run(const Kernel& kernel) const;
 
   struct Parameters {
@@ -61,7 +61,7 @@ private:
   BindingKind node_kind_;
   bool stack_in_registers_;
   Buffer corners_, nodes_, items_, rays_, distances_, work_;
-  std::unique_ptr<BindingSet> bindings_; // of the rays that were sent last
+  std::unique_ptr<BindingSet> bindings_; // bindings of the latest rays
   std::deque<Kernel> kernels_;           // closest hit, any hit
   const StructureRay* sent_ = nullptr;
   std::size_t ray_count_ = 0;

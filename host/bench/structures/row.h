@@ -1,4 +1,4 @@
-// What one structure comes to, beside others over the same triangles and rays.
+// Result of one structure, for comparison with others over the same triangles and rays.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@ namespace wavepath {
 struct StructureRow {
   std::string name;
   double build_seconds = 0.0;
-  std::uint64_t bytes = 0; // with the triangles
-  double items = 0.0;      // that its leaves or cells hold, per triangle: 1 = none is held twice
+  std::uint64_t bytes = 0; // bytes, triangles included
+  double items = 0.0;      // items in its leaves or cells, for each triangle: 1 = no duplicates
   // By kind: camera, bounce, shadow rays; 0 = there are none.
   std::array<double, 3> mrays_per_second{};
   std::array<double, 3> visits{}, tests{}; // a ray: inner nodes or cells, and triangles

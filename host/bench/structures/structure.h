@@ -14,11 +14,11 @@
 namespace wavepath {
 
 struct Structure {
-  glm::vec3 lo{0.0f}, size{0.0f};   // of its box, which holds all triangles
-  glm::uvec3 resolution{0};         // of a grid
-  std::uint32_t depth = 0;          // of a tree: levels below the root
+  glm::vec3 lo{0.0f}, size{0.0f};   // box around all triangles
+  glm::uvec3 resolution{0};         // cells of a grid
+  std::uint32_t depth = 0;          // levels of a tree below the root
   std::uint32_t words_per_node = 2; // 1, 2 or 4
-  std::vector<std::uint32_t> nodes; // as the kernel's comment has them
+  std::vector<std::uint32_t> nodes; // layout: see the kernel's comment
   std::vector<std::uint32_t> items; // numbers of triangles, leaf by leaf or cell by cell
   bool items_in_place = false;      // the kernel reads the triangles themselves in this order, not their numbers
 };

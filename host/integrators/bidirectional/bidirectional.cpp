@@ -59,7 +59,7 @@ const std::array<KernelCode, kStageCount> kStages = {
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {
     kCameraShade,       kLightShade,   kLightExtend, kLightSplat, kCameraConnect, kLightGenerate,
     kConnectionAdvance, kPhotonGather, kPhotonShade, kPhotonLink, kPhotonClear};
-// Once there are photons.
+// Limits of the photon passes.
 constexpr std::uint32_t kPhotonWave = 1u << 16; // light paths that are followed at once
 constexpr std::uint32_t kPhotonStages =
     1u << kPhotonClear | 1u << kPhotonShade | 1u << kPhotonLink | 1u << kPhotonGather;

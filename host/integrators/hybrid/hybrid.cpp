@@ -34,7 +34,7 @@ namespace {
 constexpr const char* kAntialiasStage = "anti-aliasing";
 constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
-constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
+constexpr std::uint32_t kCompositePixels = 1u << 16; // pixels of a dispatch: some tens of milliseconds on two cores
 
 enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {
@@ -65,7 +65,7 @@ std::uint64_t positions(const BufferDimensions& e) {
   return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
 }
 
-// By OwnBuffer. What a pixel has is row-major from the top left.
+// Indexed by OwnBuffer. Data of pixels are row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
     {"frame",
      [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
@@ -102,7 +102,7 @@ std::vector<Binding> hybrid_layout() {
 
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
-// How surfaces are seen through, where the scene has such.
+// Flags for surfaces that are seen through, if the scene has any.
 std::uint32_t transparency_flags(const RenderPlan& settings, const PackedScene& scene) {
   const TransparencyKind* kind = settings.integrator->finds_light ? kTransparencyTechniques.find(settings) : nullptr;
   if (!kind) return 0;
@@ -114,7 +114,7 @@ bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
 }
 
-// What follows from the settings alone.
+// Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = kAntialiasTechniques.find(settings)->shares_shading && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
@@ -143,8 +143,9 @@ float ray_length(double radius) {
   return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
 }
 
-// Of a pixel, at a distance of one metre where there is a perspective. Cones are narrower than pixels, as trilinear
-// look-ups blur more than a box: Sponza's relMSE is within 1 % of that of full width, and ornaments keep their lines.
+// Width of a pixel's cone in metres: perspective cameras at a distance of 1 m, orthographic ones everywhere. Cones are
+// narrower than pixels, because trilinear look-ups blur more than a box: Sponza's relMSE is within 1 % of that of full
+// width, and ornaments keep their lines.
 float cone_width(const View& view, const RenderPlan& settings) {
   constexpr double kFraction = 0.7;
   return static_cast<float>(kFraction * 2.0 * glm::length(view.right) / settings.width);
@@ -405,7 +406,7 @@ void Hybrid::describe(RenderResult& result) const {
         report.size, settings_.shadow_size, report.views);
 }
 
-// What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.
+// Paths of a pixel in a wave: its light samples, each of which takes a slot, or its occlusion rays if those are more.
 std::uint32_t Hybrid::paths_per_pixel(std::uint32_t) const {
   return std::max(frame_.shadow_samples, ambient() ? frame_.ao_samples : 0);
 }
@@ -471,7 +472,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
-  if (refracts()) { // what is opaque is seen through layers, so that it comes first
+  if (refracts()) { // opaque surfaces are seen through layers, so they come first
     layers_->render(queue);
     composite(queue, again | gpu::kHybridLayers | (filters ? gpu::kHybridToColor : 0));
     if (!filters) return;

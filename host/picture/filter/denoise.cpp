@@ -41,7 +41,7 @@ struct Layers {
   std::vector<float> variance; // of its channels together
 
   bool is_seen(std::size_t pixel) const { return guides[pixel].disparity > 0.0f; }
-  // What the emission that is seen directly leaves of the radiance.
+  // Radiance without directly visible emission.
   vec3 reflected(std::size_t pixel) const { return picture.color[pixel] - picture.emission[pixel]; }
 };
 
@@ -123,7 +123,8 @@ void smooth_variance(Layers& layers) {
   });
 }
 
-// How much of one surface two pixels are, `offset` being the way from a to b; to the bit the same from b to a.
+// Likeness of two pixels: whether they show the same surface. `offset`: from a to b. The result from b to a has the
+// same bits.
 float likeness(const SurfaceGuide& a, const SurfaceGuide& b, glm::vec2 offset) {
   if (a.disparity == 0.0f || b.disparity == 0.0f) return 0.0f;
   const vec3 parity = a.normal - b.normal;
@@ -166,9 +167,9 @@ std::vector<vec3> denoise(const NoisyPicture& picture) {
   smooth_variance(layers);
   const std::vector<vec3> filtered = non_local_means(picture.width, layers.light, layers.variance, layers.guides);
 
-  // What was taken from pixels, or added to them, goes back to where it was, far spread: of so many pixels the noise is
-  // next to nothing, and the light as a whole stays. The bright ones get most of it, so that the dark surroundings of a
-  // highlight stay dark.
+  // Light that filtering took from pixels, or added, returns to its neighbourhood, spread widely: over so many pixels
+  // its noise is negligible, and the total light stays the same. Bright pixels get most of it, so that the dark
+  // surroundings of a highlight stay dark.
   std::vector<vec3> change(picture.pixels()), fractions(picture.pixels());
   each_pixel(picture, [&](std::size_t i) {
     change[i] = layers.reflected(i) - filtered[i] * layers.albedo[i];

@@ -289,7 +289,7 @@ std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, st
   const std::uint32_t fit = capacity > slots ? (capacity - slots) / paths : 0, left = segment.pixel_count - done;
   if (fit >= left) return left;
   if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
-  const gpu::Frame& frame = workspace_.frame; // of a pilot its own
+  const gpu::Frame& frame = workspace_.frame; // the pilot's own during a pilot
   const std::uint32_t next = segment.first_entry + done, beyond = workspace_.entry_at(next + fit);
   const std::uint32_t whole = fit - gpu::rank_in_quad(beyond, frame.width * frame.height);
   if (whole > 0 || slots > 0) return whole;

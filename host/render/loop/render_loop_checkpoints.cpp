@@ -50,7 +50,7 @@ bool RenderLoop::pays() const {
 // that decides nothing is left out: at 1920x1080 it takes as long as a fast GPU takes for 60 samples of the Cornell
 // box.
 bool RenderLoop::gets_estimate() const {
-  if (spp() < gpu::kReplicates && !hooks_.checkpoint) return false; // of fewer samples there is none
+  if (spp() < gpu::kReplicates && !hooks_.checkpoint) return false; // there is no estimate of fewer samples
   const bool decides = settings_.target_error > 0.0 || hooks_.checkpoint || cursor_.sample == settings_.last_sample;
   return estimates_at_once_ || decides || copies_in_use() < kMostPending;
 }
@@ -225,7 +225,7 @@ RenderResult RenderLoop::finish() {
     last_ = whole.point;
   }
   result_.picture = develop(*film_, settings_.aovs, workspace_.scene.origin);
-  result_.spp = samples_per_pixel(); // of complete passes; one cut short has given some pixels more
+  result_.spp = samples_per_pixel(); // samples of complete passes; a pass that was cut short has given some pixels more
   result_.nonfinite = queue_.totals.nonfinite;
   result_.seconds = last_.seconds;
   result_.gpu_seconds = last_.gpu_seconds;
@@ -241,7 +241,7 @@ RenderResult RenderLoop::finish() {
   result_.memory = memory();
   try {
     integrator_->describe(result_);
-  } catch (const DeviceLost&) { // what it has told until then is told; the picture is there
+  } catch (const DeviceLost&) { // its measurements until then are kept; the picture is complete
   }
   result_.film = std::move(film_);
   return std::move(result_);

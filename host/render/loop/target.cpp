@@ -8,7 +8,8 @@ namespace {
 
 // Few samples a pixel may have missed rare light, so no estimate of fewer ends a render.
 constexpr std::uint32_t kFewestSamples = 16;
-constexpr double kShortestStep = 1.0 / 16; // from one look to the next, of the samples so far; each look costs time
+// Least distance between looks, relative to the samples so far; each look costs time.
+constexpr double kShortestStep = 1.0 / 16;
 
 } // namespace
 

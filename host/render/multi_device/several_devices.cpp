@@ -125,7 +125,7 @@ private:
   std::unique_ptr<RenderLoop> loop_;
 };
 
-// What a worker has to do in a round, and what came of it.
+// Work of a device in a round, and its result.
 struct Task {
   Worker* worker = nullptr;
   SampleRange range;
@@ -262,7 +262,7 @@ private:
     }
   }
 
-  // What one device tells of the scene and the integrator, all tell.
+  // Copies facts about scene and integrator that are the same for every device.
   void describe(const RenderResult& part) {
     RenderResult& all = result_.result;
     all.upload_seconds = part.upload_seconds;

@@ -81,7 +81,7 @@ public:
 private:
   void begin_anew(std::uint32_t coarse);
   void end_pass();
-  // Whether the picture is temporary: coarse, or joined to frames of other views.
+  // True if the picture is temporary: coarse, or blended with frames of other views.
   bool is_for_motion() const { return coarse_ > 1 || rendered_.antialias_over_time; }
   std::uint32_t choose_coarse() const;
   void make_loop(std::shared_ptr<const DeviceScene> uploaded);
@@ -89,8 +89,8 @@ private:
   Device& device_;
   const PackedScene* scene_;
   KernelCompiler& kernels_;
-  RenderPlan settings_; // as asked for
-  RenderPlan rendered_; // and as they are rendered: smaller while the camera moves
+  RenderPlan settings_; // settings as requested
+  RenderPlan rendered_; // settings of the current render: smaller while the camera moves
   View view_;
   std::optional<View> next_view_; // moved to while a picture was not complete
   std::unique_ptr<RenderLoop> loop_;

@@ -33,7 +33,7 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
 }
 
-// One array of the scene against the device's limits, in the user's words.
+// Checks one array of the scene against the device's limits; the message is in the user's words.
 void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, std::uint64_t limit) {
   if (bytes > limit)
     throw Error(info.name,

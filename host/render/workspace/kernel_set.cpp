@@ -15,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kDummyBytes = 1024; // of the buffer that stands for all while nothing is read
+constexpr std::uint64_t kDummyBytes = 1024; // size of the buffer that replaces all others while nothing is read
 
 // lavapipe decides at a kernel's first dispatch whether to compile it again for every other value of what is uniform.
 // With all bits set, loops are long and flags hold: it finds little to leave out, and does not
@@ -31,7 +31,8 @@ void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bi
   commands.submit_and_wait();
 }
 
-// Whether kernels that sort so may stand in for those that `needed` asks for: escapes that nobody asks for do no harm.
+// True if kernels with this order of rays can replace those that `needed` asks for. Lists of escaped rays that nobody
+// reads do no harm.
 bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
   return sort >= needed && (sort == gpu::kSortNone) == (needed == gpu::kSortNone);
 }

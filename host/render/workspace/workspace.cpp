@@ -24,7 +24,7 @@
 namespace wavepath {
 namespace {
 
-// As path_media has them, see kernels/path/bodies.glsl.
+// Bodies at the eye, packed as in path_media, see kernels/path/bodies.glsl.
 glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::uint32_t lobes) {
   if (!(scene.features & gpu::kFeatureVolume)) return glm::uvec2(gpu::kNone);
   const std::vector<std::uint32_t> bodies = bodies_at(scene, eye);
@@ -193,7 +193,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const 
   std::uint64_t slots = usual_slots(info);
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t together = reuses_paths(settings) ? gpu::kQuadPixels : 1; // pixels that no wave parts
-  const std::uint64_t least = together * kind.slots_per_pixel(settings);        // that a wave takes at once
+  const std::uint64_t least = together * kind.slots_per_pixel(settings);        // paths of a wave's smallest unit
   slots = std::max(std::min(slots, entries * samples), least);
   if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
   const std::uint64_t record = kind.largest_record(settings);

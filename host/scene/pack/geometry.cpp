@@ -146,7 +146,7 @@ bool may_leave_out(const Material& m) {
   return !shines && !is_body(m);
 }
 
-// What alpha does, by triangle, where traversal would have to ask. Empty if it never would.
+// Coverage of each triangle whose alpha traversal would have to look up. Empty if there is none.
 std::vector<Coverage> list_coverage(const Scene& scene, std::span<const Part> parts,
                                     const std::vector<TriangleSource>& sources, const AlphaCoverage& alpha) {
   if (std::ranges::none_of(parts, [](const Part& part) { return (part.surface & gpu::kTriangleAlpha) != 0; }))
@@ -205,8 +205,8 @@ std::vector<bvh::Box> list_motion_boxes(const ObjectSource& object, std::span<co
   return boxes;
 }
 
-// Which triangles the tree must hold once: shadow rays take the share that a BLEND surface or a pane stops each time
-// that they meet it. Empty if there is none.
+// Marks the triangles that the tree must hold only once: shadow rays lose the fraction of light that a BLEND surface or
+// a pane stops each time that they meet it. Empty if there is none.
 std::vector<std::uint8_t> list_whole(const Scene& scene, std::span<const Part> parts,
                                      const std::vector<TriangleSource>& sources) {
   const auto dims = [&](const Part& part) {
