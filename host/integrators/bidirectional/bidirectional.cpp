@@ -64,7 +64,8 @@ constexpr std::uint32_t kPhotonWave = 1u << 16; // light paths that are followed
 constexpr std::uint32_t kPhotonStages =
     1u << kPhotonClear | 1u << kPhotonShade | 1u << kPhotonLink | 1u << kPhotonGather;
 
-// `options` of the extents: light vertices that a path stores at most. `pixels`: of a picture with photons, else 0.
+// Meaning of BufferDimensions here. `options`: light vertices that a path stores at most. `pixels`: of a picture with
+// photons, else 0.
 enum OwnBuffer : std::size_t {
   kConstants,
   kWeights,

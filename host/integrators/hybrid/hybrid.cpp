@@ -563,9 +563,9 @@ bool Hybrid::end_pilot() {
   return false;
 }
 
-// The light inside an integrating sphere: of the light that surfaces send out, the share that meets surfaces again is
-// sent out once more, L = direct + albedo * enclosure * L. The surfaces in the picture receive that L from the enclosed
-// directions.
+// The light inside an integrating sphere: of the light that surfaces send out, the fraction that meets surfaces again
+// is sent out once more, L = direct + albedo * enclosure * L. The surfaces in the picture receive that L from the
+// enclosed directions.
 glm::vec3 Hybrid::enclosed_light() const {
   const auto gbuffer = download<gpu::GbufferPixel>(buffers_[kGbuffer], workspace_.film.pixels());
   const auto signals = download<glm::vec4>(buffers_[kSignals], workspace_.film.pixels());

@@ -82,7 +82,8 @@ struct PackedScene {
   // Parts of light triangles that are cut: see kernels/light/light_sampling.glsl.
   std::vector<std::uint32_t> light_parts;
   std::uint32_t local_light_count = 0; // number of lights with a location, which come first
-  // The light tree as kernels/base/light_tree_types.h has it, empty where lights are picked by power; and its columns.
+  // Result of light_tree_words(): the light tree, and branches and clusters of lights; empty if lights are picked by
+  // power.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
   double light_locations = 0.0;  // estimated number of cells that contain lights, see lights.h
