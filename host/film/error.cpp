@@ -21,10 +21,10 @@ namespace {
 double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
 
 constexpr std::size_t kTileRows = 8, kBlockRows = 4 * kTileRows; // no quad lies in two blocks
-constexpr double kFloor = 0.01;                                  // of squared radiance, as relMSE has it
+constexpr double kFloor = 0.01;                                  // added to squared radiance, as in relMSE
 
-// Statistics of the pixels of rows [first, end) and of those beside them. In blocks, because those of a whole picture
-// take as much memory as its film.
+// Statistics of the pixels of rows [first, end) and of their neighbours. Rows are processed in blocks, because the
+// statistics of a whole picture take as much memory as its film.
 struct Rows {
   Rows(const Film& film_, std::size_t first, std::size_t end)
       : film(film_),
@@ -113,13 +113,13 @@ BlockFactors factors_of(const Film& film, std::size_t probed) {
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
 }
 
-// The squared errors of the probed pixels of a quad, each times the pixels that it stands for.
+// Squared errors of the probed pixels of a quad, each times the number of pixels that it represents.
 struct Quad {
   double squared = 0.0, pixels = 0.0;
 };
 
-// The quads of a row of tiles, which is as far as they reach. The squared errors of their pixels have light of the same
-// paths in common, and four that are alike tell no more than one: their mean counts once.
+// Quads of a row of tiles; no quad extends beyond one. The squared errors of a quad's pixels come from the light of the
+// same paths, and four equal ones say no more than one: their mean counts once.
 class Quads {
 public:
   Quads(const Film& film, std::size_t row)
@@ -146,8 +146,8 @@ private:
   std::vector<Quad> quads_;
 };
 
-// `largest_known`: of rows before, which the row's own is never less than. `quads`: what squared errors are added to in
-// place of the sums; null without quads.
+// `largest_known`: largest value of earlier rows; the result is never less. `quads`: receives squared errors in place
+// of the sums; null without quads.
 Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* quads) {
   const Film& film = rows.film;
   Sums sums;
@@ -155,8 +155,8 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* qu
   for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
     const bool probed = !film.has_probes || probed_pixel(film, block_of(film, i)) == i;
     const double largest = largest_alone(film, i), alone = largest * largest;
-    if (!probed && alone / kFloor <= sums.largest_alone) continue; // whatever it weighs
-    // A pixel that is not measured has the variance of one that did not get its bright sample.
+    if (!probed && alone / kFloor <= sums.largest_alone) continue; // whatever its weight
+    // A pixel without a probe has the variance of a pixel that did not get its bright sample.
     const glm::dvec3 w = weight(rows, i, probed ? 0.0 : alone);
     const BlockFactors factors = film.has_probes && probed ? factors_of(film, i) : BlockFactors{1.0, 1.0};
     sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * factors.times);
@@ -192,20 +192,20 @@ ErrorEstimate estimate_error(const Film& film) {
     largest = std::max(largest, row.largest_alone);
   }
   const double n = static_cast<double>(pixel_count), mean = sum / n;
-  // The interval is of this picture's error, not of its expectation: both the estimate, over the probed pixels, and
-  // what it estimates, over all pixels, scatter, alike and independently (the sum and the difference of two replicates
-  // are independent where they are normal). The weights are known less well: over scenes and sample counts they left
-  // the squared error at 0.91x to 1.0x of the true one. There are a quarter as many quads as pixels, probed or not:
-  // where the pixels of a quad err independently their mean scatters a quarter as much as a pixel, where they err alike
-  // it scatters as much, and the interval is twice as wide.
-  constexpr double kWeights = 0.05; // standard deviation of that
+  // The interval is that of this picture's error, not of its expectation. Both the estimate, over probed pixels, and
+  // the error, over all pixels, scatter alike and independently: the sum and the difference of two replicates are
+  // independent if they are normal. The weights are known less well: over scenes and sample counts they left the
+  // squared error at 0.91x to 1.0x of the true one. There are a quarter as many quads as pixels, probed or not. If the
+  // pixels of a quad err independently, their mean scatters a quarter as much as a pixel. If they err alike, it
+  // scatters as much, and the interval is twice as wide.
+  constexpr double kWeights = 0.05; // standard deviation of the weights' error
   const double probed = film.has_probes ? static_cast<double>(film.shape().probe_count()) : n;
-  const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels to each squared error
+  const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels for each squared error
   const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / probed + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
   double high = mean + kNormal95 * spread, fraction = sum > 0.0 ? largest / sum : 0.0;
-  if (film.has_probes) { // the largest sample may lie where no pixel is probed
+  if (film.has_probes) { // the largest sample may lie at a pixel that is not probed
     high = std::max(high, mean + largest / n);
     fraction = std::min(fraction, 1.0);
   }

@@ -182,14 +182,14 @@ QueueFamily choose_family(VkPhysicalDevice physical) {
   return chosen;
 }
 
-constexpr std::uint32_t kFewestTexels = 1u << 16; // of a texel buffer, as Vulkan guarantees;
-constexpr std::uint32_t kUsualTexels = 1u << 27;  // and as drivers of GPUs have them at least
+constexpr std::uint32_t kFewestTexels = 1u << 16; // elements of a texel buffer that Vulkan guarantees
+constexpr std::uint32_t kUsualTexels = 1u << 27;  // elements that drivers of GPUs have at least
 
 constexpr const char* kRayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
                                                VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
                                                VK_KHR_RAY_QUERY_EXTENSION_NAME};
 
-// What ray queries need of the device, to be asked for or wished for.
+// Device features that ray queries need, to be queried or enabled.
 struct RayQueryFeatures {
   VkPhysicalDeviceRayQueryFeaturesKHR query{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
   VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
@@ -266,7 +266,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Emulation emulation) {
 
   VkPhysicalDeviceMemoryProperties memory{};
   vkGetPhysicalDeviceMemoryProperties(physical, &memory);
-  // What an integrated GPU calls its own may be a small part of the memory that it reaches as fast.
+  // The heap that an integrated GPU calls its own may be a small part of the memory that it reaches as fast.
   const bool all_alike = base.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
     if (all_alike || (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
@@ -342,7 +342,7 @@ VkResult Context::submit(const VkSubmitInfo2& work, VkFence fence) {
   return vkQueueSubmit2(queue_, 1, &work, fence);
 }
 
-// In slices: a process that was stopped for hours and goes on has waited for one of them.
+// Waits in slices: a process that was stopped for hours and continues has waited for only one of them.
 VkResult Context::wait(VkFence fence) const {
   if (gone_) return VK_ERROR_DEVICE_LOST;
   VkResult result = VK_TIMEOUT;

@@ -39,7 +39,7 @@ struct Function {
   Value returned; // where all that it returns is that
 };
 
-// Nothing for an operation that is not listed here.
+// Result of an operation on known values; empty for an operation that is not listed here.
 Value evaluate(std::uint32_t op, const Value& a, const Value& b, const Value& c) {
   if (op == OpLogicalAnd && ((a && !*a) || (b && !*b))) return 0u;
   if (op == OpLogicalOr && ((a && *a) || (b && *b))) return 1u;
@@ -271,7 +271,7 @@ private:
     globals_.push_back(one);
   }
 
-  // Of a specialization constant.
+  // Value of a specialization constant.
   std::uint32_t given(std::uint32_t id, std::uint32_t otherwise) const {
     return spec_ids_[id] < constants_.size() ? constants_[spec_ids_[id]] : otherwise;
   }
@@ -304,7 +304,7 @@ private:
     return true;
   }
 
-  // Which blocks can be reached, and from where.
+  // Finds the blocks that can be reached, and from where.
   void follow(Function& function) {
     if (function.blocks.empty()) return;
     for (Block& block : function.blocks) block.live = false;
@@ -539,7 +539,7 @@ private:
   std::vector<Instruction> globals_; // all before the functions that is no name
   std::vector<Function> functions_;
   std::vector<std::uint32_t> entries_; // functions
-  // By id.
+  // Indexed by id.
   std::vector<Value> values_;
   std::vector<bool> is_type_, is_scalar_, is_boolean_;
   bool is_foreign_ = false;

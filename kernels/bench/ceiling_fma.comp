@@ -1,5 +1,4 @@
-// How many multiply-adds a second the device manages: eight independent chains of four, so that neither latency nor
-// memory matters.
+// Measures multiply-adds a second: eight independent chains of four, so that neither latency nor memory matters.
 #version 460
 
 layout(local_size_x = 64) in;

@@ -1,6 +1,5 @@
-// How many independent random loads a second the device manages, through the path that traversal takes: one or four
-// texels of 16 bytes side by side. Nothing else is done but the index arithmetic; the sums keep compilers from removing
-// the loads.
+// Measures independent random loads a second, through the path that traversal uses: one or four adjacent texels of 16
+// bytes. Nothing else is done but the index arithmetic; the sums keep compilers from removing the loads.
 #version 460
 
 layout(local_size_x = 64) in;

@@ -1,6 +1,6 @@
-// What structures other than the product's share: one ray a lane, the product's triangle test. No alpha, no facing.
-// kAnyHit: any hit will do. Each structure has its own kernel, which defines void traverse(float t_enter, float
-// t_exit), told where the ray crosses the structure's box.
+// Common code of acceleration structures other than the product's: one ray a lane, the product's triangle test; no
+// alpha, no facing. kAnyHit: any hit will do. Each structure has its own kernel, which defines void traverse(float
+// t_enter, float t_exit); its arguments say where the ray crosses the structure's box.
 #ifndef WAVEPATH_STRUCTURE_GLSL
 #define WAVEPATH_STRUCTURE_GLSL
 

@@ -1,4 +1,4 @@
-// What host and display.comp share; every member is a word, so that all layouts agree.
+// Constants of display.comp, shared with the host; every member is a word, so that all layouts agree.
 #ifndef WAVEPATH_DISPLAY_TYPES_H
 #define WAVEPATH_DISPLAY_TYPES_H
 

@@ -1,4 +1,5 @@
-// The light samples of a frame as one number a pixel: their mean, relative to the surface's colour, as filters want it.
+// Reduces the light samples of a frame to one value a pixel: their mean, relative to the surface's colour, as filters
+// need it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

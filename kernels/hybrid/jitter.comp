@@ -1,4 +1,4 @@
-// Draws the positions in the pixel filter through which coming frames are seen, as camera rays draw theirs.
+// Draws the positions in the pixel filter through which later frames are seen, as camera rays draw theirs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

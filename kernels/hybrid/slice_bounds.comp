@@ -1,6 +1,6 @@
-// What a frame shows of each part of the camera's depths, as boxes in light space. Push constant: sample_count = parts.
-// Words: the depth at which each part ends; then by view the least and largest x, and y. A light has a view for every
-// part, which at this time are all alike.
+// Computes boxes in light space around the visible points in each part of the camera's depth range. Push constant:
+// sample_count = parts. Words: the depth at which each part ends; then, for each view, least and largest x, and y. A
+// light has a view for every part; at this time these are all alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

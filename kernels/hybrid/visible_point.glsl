@@ -1,4 +1,5 @@
-// The points that the camera rays of a hybrid frame find, for kernels that reduce a frame to what its shadow maps need.
+// Points that the camera rays of a hybrid frame find, for kernels that reduce a frame to the data that its shadow maps
+// need.
 #ifndef WAVEPATH_VISIBLE_POINT_GLSL
 #define WAVEPATH_VISIBLE_POINT_GLSL
 

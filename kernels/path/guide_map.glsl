@@ -1,7 +1,7 @@
 // A density over the sphere that can be drawn from, as a leaf of the guiding field has it.
 //
 // The sphere is cut into kGuideSide^2 cells by height y and by an azimuth without trigonometry: a quarter of a turn
-// goes by z / (|x| + |z|) instead of the angle, whose cells have .64 to 1.27 of the solid angle of even ones. Texels:
+// goes by z / (|x| + |z|) instead of the angle, whose cells have 0.64x to 1.27x the solid angle of even ones. Texels:
 // path_types.h. Include bindings.glsl with BIND_GUIDE first.
 #ifndef WAVEPATH_GUIDE_MAP_GLSL
 #define WAVEPATH_GUIDE_MAP_GLSL

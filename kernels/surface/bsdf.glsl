@@ -21,7 +21,7 @@
 #include "kernels/surface/no_layers.glsl"
 #endif
 
-// No ||, of which glslang makes a branch.
+// Written without ||, which glslang compiles to a branch.
 const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u;
 
 vec3 dielectric_reflectance(Bsdf b, Interface surface, float c) {
@@ -46,7 +46,7 @@ bool is_pane(Bsdf b) {
   return has(kFeatureTransmission) && b.thin && is_mirror(b) && b.transmission > 0.0 && !has_cover(b);
 }
 
-// A wall between bodies of the same ior, which light passes likewise. Its roughness bends nothing.
+// A wall between bodies of the same ior, which light passes in the same way. Its roughness bends nothing.
 bool is_unbending_wall(Bsdf b) {
   return has(kFeatureTransmission) && !b.thin && b.ior == 1.0 && b.transmission > 0.0 && !has_cover(b);
 }
@@ -73,7 +73,7 @@ float base_passes(Bsdf b, Interface surface, float mu) {
 
 // ---- more than one bounce between microfacets: see multiple.glsl ----------------------------------------------------
 
-// The table of what the microfacets lack on wo's side, and on the other.
+// Table of the missing energy of the microfacets on wo's side, and on the other.
 bool is_body(Bsdf b) { return has(kFeatureTransmission) && !b.thin && b.transmission > 0.0 && b.metallic < 1.0; }
 uint own_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? 0u : kTableTexels); }
 uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? kTableTexels : 0u); }
@@ -81,7 +81,7 @@ uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b
 // Adds its lobes for wo.
 void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout LobeWeights weights) {
   if (!has_lobe(kLobeMultiple) || l.delta_reflection || b.ggx_table == kNone) return;
-  if (is_stretched(b)) return; // no table has stretched facets: any round one returns too much
+  if (is_stretched(b)) return; // there is no table for stretched facets, and any round one would return too much
   vec4 average = table_average(own_table(b), sqrt(b.alpha));
   float missing = average.x, missing_there = is_body(b) ? average.y : missing;
   if (missing <= kLeastMissing || missing_there <= kLeastMissing) return;
@@ -175,7 +175,7 @@ vec3 eval_reflection(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf)
   return reflectance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * wi.z);
 }
 
-// Thin walls scatter as reflection does, then mirrored to the other side (KHR_materials_transmission).
+// Thin walls scatter as reflection does, mirrored to the other side (KHR_materials_transmission).
 vec3 eval_thin_transmission(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf) {
   vec3 mirrored = vec3(wi.xy, -wi.z);
   vec3 h = normalize(wo + mirrored);
@@ -235,8 +235,8 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
 
 // ---- sampling ---------------------------------------------------------------------------------------------------
 
-// wo bent at a microfacet h; false where it is totally reflected. Normalized, because 1/eta and the root near the
-// critical angle magnify rounding.
+// Refracts wo at a microfacet h; false at total reflection. The result is normalized, because 1/eta and the root near
+// the critical angle magnify rounding.
 bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   float c = dot(wo, h);
   float g2 = c * c + (eta - 1.0) * (eta + 1.0);

@@ -15,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kLeafVertices = 300; // of a leaf, but for ties; a part with twice as many is halved
+constexpr std::size_t kLeafVertices = 300; // vertices of a leaf, except for ties; a part with twice as many is halved
 constexpr double kCommon = 0.1;            // weight of all leaves in the choice of the probability of one
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
 
@@ -26,7 +26,7 @@ struct Node {
   int axis = -1;
   float plane = 0.0f;
   std::uint32_t child = 0;
-  std::uint32_t first_leaf = 0, last_leaf = 0; // below it
+  std::uint32_t first_leaf = 0, last_leaf = 0; // leaves below it
 };
 
 // A vertex while space is divided, small enough that sorting stays in the caches.
@@ -37,11 +37,11 @@ struct Point {
 
 struct Tree {
   std::vector<Point> order;
-  std::vector<Node> nodes;           // the root first
-  std::vector<std::uint32_t> leaves; // their nodes
+  std::vector<Node> nodes;           // nodes[0] is the root
+  std::vector<std::uint32_t> leaves; // nodes of the leaves
 };
 
-// -1 if all points coincide.
+// Axis of the largest extent; -1 if all points coincide.
 int longest_axis(std::span<const Point> part) {
   glm::vec3 lo = part.front().position, hi = lo;
   for (const Point& p : part) lo = glm::min(lo, p.position), hi = glm::max(hi, p.position);
@@ -50,7 +50,8 @@ int longest_axis(std::span<const Point> part) {
   return size[axis] > 0.0f ? axis : -1;
 }
 
-// Halves a part at the median, ties above it, or below it where there is nothing else; false if all points coincide.
+// Halves a part at the median, with ties above it, or below if nothing else is left above. Returns false if all points
+// coincide.
 bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   node.axis = longest_axis(part);
   if (node.axis < 0) return false;
@@ -69,13 +70,13 @@ bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   return below > 0 && below < part.size();
 }
 
-// A node while space is divided, by as many threads as there are.
+// Divides a node and those below, on several threads.
 struct Part {
   Node node;
   std::unique_ptr<Part> halves[2];
 };
 
-// Into `most_leaves` at most.
+// Divides space into at most `most_leaves` leaves.
 void divide(std::uint32_t most_leaves, std::span<Point> order, Part& part) {
   Node& node = part.node;
   const std::size_t size = node.last - node.first;
@@ -121,7 +122,7 @@ Tree make_tree(std::span<const GuideVertex> vertices) {
   return tree;
 }
 
-// As kernels read it, two levels a node. A leaf below a first half stands there twice.
+// The tree as kernels read it, two levels in a node. A leaf that ends at the first level appears twice.
 void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uint32_t index, std::size_t target,
              std::vector<gpu::GuideNode>& flat) {
   const Node& node = tree.nodes[index];
@@ -145,8 +146,8 @@ void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uin
   flat[target] = entry;
 }
 
-// Of the contributions of some vertices, by the probability of guiding: their second moment, and their cross-entropy
-// with the density of both techniques.
+// Moments of the contributions of some vertices as functions of the probability of guiding: second moment, and
+// cross-entropy with the density of both techniques.
 struct Judgement {
   // `guided`: density of its direction.
   std::array<double, kProbabilities.size()> moment{}, entropy{};
@@ -162,7 +163,7 @@ struct Judgement {
   }
 };
 
-// The maps of a part of space: of either half of the paths, by which the other one judges it, and of both.
+// Maps of a part of space: one of each half of the paths, which the other half judges, and one of both.
 struct Maps {
   GuideMap half[2], both;
 };
@@ -182,7 +183,7 @@ public:
     train(0, {{even_map(), even_map()}, even_map()});
   }
 
-  std::vector<glm::uvec4> maps; // of all leaves
+  std::vector<glm::uvec4> maps; // maps of all leaves
   std::vector<Judgement> judgements;
 
 private:
@@ -237,7 +238,7 @@ GuideField build_field(std::span<const GuideVertex> vertices) {
   Judgement all;
   for (const Judgement& leaf : trainer.judgements)
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) all.entropy[i] += leaf.entropy[i];
-  // What a leaf says of itself, and a little of what all say.
+  // The leaf's own moments, and a small part of those of all leaves.
   const double fraction = kCommon / static_cast<double>(tree.leaves.size());
   std::vector<float> probabilities;
   GuideField field;

@@ -6,20 +6,20 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
-constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
+constexpr std::uint32_t kSeed = 0x6a09e667u;    // exclusive-ored with the seed of the render
+constexpr std::uint32_t kFirstPaths = 1u << 16; // paths of the first two iterations; each later one has twice as many
 constexpr std::uint32_t kLeastIterations = 2;
-// A pixel, in an iteration: small pictures train on fewer paths. Iterations that long renders alone have may be
-// longer.
+// Most samples a pixel in an iteration: small pictures train on fewer paths. Iterations that only long renders have may
+// be longer.
 constexpr std::uint32_t kMostSamples = 64, kMostSamplesIfLong = 1024;
-constexpr std::size_t kTrainsOn = 3; // iterations: the last ones
+constexpr std::size_t kTrainsOn = 3; // number of latest iterations that a field is trained on
 
 // Predicted variance below which the picture is guided, and above which training ends early. A guided sample costs
 // about 1.3 times an unguided one (llvmpipe).
 constexpr double kPays = 0.75, kHopeless = 0.85;
 
-// What the records of a path tell, in their order. `scale`: of the pixel. Returns what came from the first direction
-// that could be guided.
+// Converts the records of a path to vertices, in their order. `scale`: of the pixel. Returns the luminance from the
+// first direction that could be guided.
 float add_vertices(const gpu::GuideRecord* notes, float scale, bool odd, std::vector<GuideVertex>& vertices) {
   float first = -1.0f;
   for (std::size_t bounce = 0; bounce < gpu::kGuideBounces; ++bounce) {
@@ -56,8 +56,9 @@ std::uint32_t GuideTraining::iteration_end(std::uint32_t iteration) const {
   return end;
 }
 
-// Fraction of a sample's variance that guided directions can change: the rest is made by light samples at first hits
-// and by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
+// Fraction of a sample's variance that guided directions can change. The rest comes from light samples at first hits
+// and from differences within a pixel. Both variances are estimated by half the mean square of the difference between
+// two samples of a pixel.
 double GuideTraining::guidable_fraction() const {
   double whole = 0.0, guidable = 0.0;
   for (std::size_t first = 0; first < samples_.size(); first += 2 * pixels())
@@ -79,13 +80,13 @@ GuideReport GuideTraining::report() const {
           .training_paths = std::uint64_t{sample_} * pixels()};
 }
 
-// The first fields train on their own iteration alone. Later ones, of which one guides the picture, train on some
-// iterations before as well, whose fields were poorer.
+// The vertices that a field trains on. The first fields use their own iteration alone. Later ones, of which one guides
+// the picture, also use some earlier iterations, whose fields were poorer.
 std::span<const GuideVertex> GuideTraining::training_vertices() const {
   return std::span(vertices_).subspan(iteration_ + 1 < kGuideIterations ? iteration_begins_.back() : 0);
 }
 
-// Leaves out vertices on which the next iteration does not train, and reserves memory for its own.
+// Discards vertices on which the next iteration does not train, and reserves memory for its own.
 void GuideTraining::forget_vertices() {
   const std::size_t own = vertices_.size() - iteration_begins_.back();
   iteration_begins_.push_back(vertices_.size());

@@ -29,7 +29,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
   kernels.start(path_need(kPathProgram, kAllPathStages, specialized));
   if (!generic_first(device)) return;
   KernelConfig generic = kernel_config(generic_features(features), kExpectedStack, settings);
-  generic.light_samples = specialized.light_samples; // what generic kernels are not compiled for
+  generic.light_samples = specialized.light_samples; // generic kernels are compiled for this number, too
   generic.sky = specialized.sky;
   generic.reuse = specialized.reuse;
   kernels.start(path_need(kPathProgram, kAllPathStages, generic));
@@ -80,11 +80,10 @@ std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   return left_out;
 }
 
-// What a wave of these rays takes, in camera rays: shadow rays end at the first hit. The pilot's rays are counted
-// apart.
+// Work of these rays, in camera rays: shadow rays end at the first hit. Rays of pilots are counted separately.
 double work(const RenderPlan& settings, const RayCounts& rays, bool cpu) {
   const double guided = settings.guide ? (cpu ? 1.45 : 1.4) : 1.0; // shade reads the field: 1.3 to 1.85 on llvmpipe
-  // What sharing takes beside its rays: vertices are kept and weighed. 0.1 to 1 of a camera ray (llvmpipe).
+  // Work of reuse besides its rays, for storing and weighing vertices: 0.1 to 1 of a camera ray (llvmpipe).
   const double shared = reuses_paths(settings) ? 0.6 * static_cast<double>(rays.camera) : 0.0;
   return shared + guided * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
 }

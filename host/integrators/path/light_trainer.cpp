@@ -18,7 +18,8 @@ namespace {
 constexpr std::uint64_t kPartTrainingPaths = 1u << 16; // whole samples of a small picture within it; else one
 constexpr std::uint32_t kTrainingSeed = 0x6c8e9cf5u;
 
-// A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
+// Pilot with about that many paths, of the render's size or smaller. 0: the fixed number of parts, at the render's
+// size.
 Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const FilmShape& whole = film.shape();
   const std::uint64_t pixels = film.pixels();
@@ -27,7 +28,7 @@ Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
   Pilot pilot{.samples = samples, .seed = kTrainingSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
-  pilot.reuses_paths = false; // training counts what a light is worth to the whole path
+  pilot.reuses_paths = false; // training measures the value of a light for the whole path
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height
                        ? even_segments(film.bands())
                        : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};
@@ -41,7 +42,7 @@ void LightTrainer::change(const RenderPlan& settings) {
   of_sky_ = trains_sky(workspace_.scene, settings);
   taken_over_ = {of_lights_ ? settings.training.found.lights : nullptr,
                  of_sky_ ? settings.training.found.sky : nullptr};
-  trains_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
+  trains_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // trains all if one is missing
   training_paths_ = settings.training.paths;
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightCells;
@@ -57,7 +58,7 @@ void LightTrainer::use(std::span<const std::uint32_t> lights, std::span<const st
   if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightCellBytes : 0);
 }
 
-// What takes the host some milliseconds is done here, while kernels compile.
+// Work that takes the host some milliseconds is done here, while kernels compile.
 void LightTrainer::start() {
   if (!trains_) {
     const auto words = [](const auto& probabilities) {

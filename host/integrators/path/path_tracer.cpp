@@ -9,7 +9,7 @@ std::uint32_t PathTracer::capacity() const {
          (guide_training_ ? kCapacityForGuideRecords : 0);
 }
 
-// The plain kernels as well where guiding is asked for: training may find that it does not pay.
+// Compiles the unguided kernels even if guiding is asked for, since training may find that it does not pay.
 void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory) {
   settings_ = settings;
   trainer_.change(settings);
@@ -33,7 +33,7 @@ void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory
 }
 
 bool PathTracer::is_ready() {
-  bool ready = paths_.is_ready(); // asks for all, so that all are begun
+  bool ready = paths_.is_ready(); // every set is asked for, so that all are begun
   ready = trainer_.is_ready() && ready;
   if (settings_.guide) ready = kernels_.ready(guide_training_need_) && kernels_.ready(guided_need_) && ready;
   return ready;
@@ -74,7 +74,7 @@ void PathTracer::train_guide() {
   guide_report_ = guide_training_->report();
   guide_training_.reset();
   training_ = Training::none;
-  paths_.buffers[kRecords] = Buffer(); // a dummy takes its binding
+  paths_.buffers[kRecords] = Buffer(); // a dummy replaces it in its binding
   paths_.change(settings_, kAllPathStages, capacity());
 }
 
@@ -90,7 +90,7 @@ void PathTracer::describe(RenderResult& result) const {
 
 std::uint32_t PathTracer::timed_dispatches() const {
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
-  const std::uint32_t light_samples = 4 * paths_.config().light_samples; // of all bounces, or fewer
+  const std::uint32_t light_samples = 4 * paths_.config().light_samples; // upper bound for all bounces
   const std::uint32_t sky_samples = 2 * bounces * (workspace_.frame.sky_samples - 1);
   return std::min(2 + bounces * 7 + light_samples + sky_samples, 1024u);
 }

@@ -44,7 +44,7 @@ const std::array<KernelCode, kPathStageCount> kStages = {
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
     kShade, kExtend, kConnect, kEscape, kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
 
-// Whether paths know the vertex that they were scattered at: see the function of this name in
+// True if paths store the vertex where they were scattered: see the function of this name in
 // kernels/path/receiver.glsl.
 bool keeps_receivers(const BufferDimensions& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
@@ -52,14 +52,14 @@ bool keeps_receivers(const BufferDimensions& e) {
   return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
 }
 
-// Words of lights, and behind them those of parts of the sky.
+// Words of lights, followed by those of parts of the sky.
 std::uint64_t learned_bytes(const BufferDimensions& e, std::uint64_t of_lights, std::uint64_t of_sky) {
   return (e.features & gpu::kFeatureLightCells ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
 }
 
 using enum BindingKind;
 
-// By PathBuffer.
+// Indexed by PathBuffer.
 const std::vector<BufferRule> kRules = {
     {"path states",
      [](const BufferDimensions& e) { return e.slots * sizeof(gpu::PathState); },
@@ -90,7 +90,7 @@ const std::vector<BufferRule> kRules = {
     {"rays",
      [](const BufferDimensions& e) {
        return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray);
-     }, // two queues, by turns
+     }, // two queues, which take turns
      {{gpu::kBindRays, storage}, {gpu::kBindRayTexels, texels_rgba32f}}},
     {"hits",
      [](const BufferDimensions& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
@@ -186,7 +186,7 @@ bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32
   return true;
 }
 
-// Prepares the queues for what comes next in a bounce.
+// Prepares the queues for the next stage of a bounce.
 void Paths::advance(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
                     std::uint32_t step) const {
   commands.barrier();

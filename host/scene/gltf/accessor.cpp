@@ -23,7 +23,7 @@ bool is_known_type(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || type == TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
-// Whether `count` elements of `size` bytes, `stride` apart and beginning at `offset`, lie within `available` bytes. No
+// True if `count` elements of `size` bytes, `stride` apart and beginning at `offset`, lie within `available` bytes. No
 // operation here can overflow.
 bool fits(std::uint64_t available, std::uint64_t offset, std::uint64_t stride, std::uint64_t size,
           std::uint64_t count) {

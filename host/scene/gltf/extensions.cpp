@@ -10,8 +10,8 @@
 namespace wavepath::gltf {
 namespace {
 
-// Those that the importer reads, and those that change no picture. KHR_texture_basisu is not decoded: a texture may
-// have a fallback image, so that texture.cpp decides.
+// Extensions that the importer reads, and those that change no picture. KHR_texture_basisu is not decoded: a texture
+// may have a fallback image, so texture.cpp decides.
 constexpr std::array<std::string_view, 28> kSupported = {"EXT_mesh_gpu_instancing",
                                                          "EXT_meshopt_compression",
                                                          "EXT_texture_webp",

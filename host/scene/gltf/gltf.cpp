@@ -91,7 +91,7 @@ void place_flat(Import& import, std::uint32_t mesh, const glm::dmat4& transform,
   import.scene.instances.push_back({found->second, flat.world_from_flat});
 }
 
-// Of a node whose mesh is not placed by a skin.
+// Places the instances of a node whose mesh has no skin.
 void place_instances(Import& import, std::size_t node_index, std::uint32_t mesh) {
   Scene& scene = import.scene;
   const auto list = [&](const glm::dmat4& world, gltf::Scales scales) {

@@ -135,7 +135,7 @@ json converted_glossiness(const json& source, Warnings& warnings) {
   return material;
 }
 
-// What a material with KHR_materials_unlit keeps: its base colour, alpha and facing.
+// Properties that a material with KHR_materials_unlit keeps: base colour, alpha and facing.
 json unlit_part(const json& source) {
   json part = json::object();
   for (const char* name : {"name", "alphaMode", "alphaCutoff", "doubleSided"})

@@ -126,8 +126,8 @@ std::uint32_t split_vertex(Mesh& mesh, std::uint32_t vertex) {
   return static_cast<std::uint32_t>(mesh.positions.size() - 1);
 }
 
-// How a slot turns coordinates. A scale of 0, which smears the texture along an axis, turns them as one of any other
-// size does; without any scale nothing is known of a rotation.
+// Rotation of coordinates by a texture transform. A scale of 0, which smears the texture along an axis, counts like any
+// other; without any scale the rotation is unknown.
 glm::dmat2 turn_of(const TextureSlot& slot) {
   glm::dmat2 m(slot.uv_matrix);
   const bool first = m[0] != glm::dvec2(0.0), second = m[1] != glm::dvec2(0.0);

@@ -17,7 +17,7 @@ constexpr double kLargestTexel =
     1 << 20; // beyond, and where a triangle spans more copies of its image, all of it counts
 constexpr double kMostCopies = 16;
 
-// Of the vertices' alpha, which look-ups multiply by that of a texel.
+// Range of the vertices' alpha, by which look-ups multiply that of a texel.
 struct ColorRange {
   float lo = 1.0f, hi = 1.0f;
 };
@@ -39,7 +39,7 @@ ColorRange color_range(const Mesh& mesh, std::uint32_t first_index) {
   return color_range(corners);
 }
 
-// What a material makes of texels whose alpha lies in a range: opacity() of kernels/surface/surface.glsl, with its
+// Coverage of a material with texels whose alpha lies in a range: opacity() of kernels/surface/surface.glsl, with its
 // arithmetic.
 Coverage coverage(const Material& m, const ColorRange& color, const AlphaPyramid::Range& texels) {
   if (m.alpha_mode == AlphaMode::opaque) return Coverage::opaque;
@@ -52,7 +52,7 @@ Coverage coverage(const Material& m, const ColorRange& color, const AlphaPyramid
   const bool is_mask = m.alpha_mode == AlphaMode::mask;
   const float wanted = is_mask ? m.alpha_cutoff : 1.0f;
   if (lo >= wanted) return Coverage::opaque;
-  constexpr float kRounding = 1.0f + 0x1p-20f; // of filtering and interpolation
+  constexpr float kRounding = 1.0f + 0x1p-20f; // rounding of filtering and interpolation
   return is_mask && hi * kRounding < wanted ? Coverage::hole : Coverage::mixed;
 }
 
@@ -64,7 +64,7 @@ AlphaPyramid::Range merge(const AlphaPyramid::Range& a, const AlphaPyramid::Rang
 // of its edges reads it.
 struct Footprint {
   glm::dvec2 corner[3];
-  glm::dvec2 lo, hi; // of the corners
+  glm::dvec2 lo, hi; // bounds of the corners
   glm::dvec2 reach;
 };
 
@@ -78,7 +78,7 @@ Footprint make_footprint(const Mesh& mesh, const TextureSlot& slot, std::uint32_
   Footprint f;
   const glm::dvec2 size(image_size);
   const glm::dmat2 matrix(slot.uv_matrix);
-  glm::dvec2 magnitude(0.0); // of what is added up to a coordinate
+  glm::dvec2 magnitude(0.0); // magnitudes of the terms of a coordinate
   for (std::uint32_t k = 0; k < 3; ++k) {
     const std::vector<glm::vec2>& uvs = mesh.uvs[slot.uv_set];
     const glm::dvec2 uv = uvs.empty() ? glm::dvec2(0.0) : glm::dvec2(uvs[mesh.indices[first_index + k]]);
@@ -114,7 +114,7 @@ bool meets(const Footprint& f, const glm::dvec2& lo, const glm::dvec2& hi) {
   return true;
 }
 
-// One triangle's way through the quadtree of its image.
+// Descent of one triangle through the quadtree of its image.
 struct Descent {
   const Material& material;
   const AlphaPyramid& pyramid;

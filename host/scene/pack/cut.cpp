@@ -166,7 +166,7 @@ std::vector<CutTask> find_triangles(const Scene& scene, std::span<const Part> pa
   return found;
 }
 
-// Which edges are split: `ratio` times as long as they are far away.
+// Rule for splitting edges: those longer than `ratio` times their distance.
 struct CutRule {
   std::span<const glm::dvec3> near;
   double ratio, shortest;

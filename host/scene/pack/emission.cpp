@@ -65,7 +65,8 @@ struct Integral {
   double area = 0.0, sum = 0.0, squares = 0.0;
 };
 
-// Of a triangle within which the emission is bilinear, whose square has the fourth degree (Dunavant 1985).
+// Adds a triangle within which the emission is bilinear, so that its square has degree four (quadrature: Dunavant
+// 1985).
 void add_triangle(const EmissionMap& map, const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c,
                   Integral& all) {
   const glm::dvec2 ab = b - a, ac = c - a;
@@ -81,7 +82,7 @@ void add_triangle(const EmissionMap& map, const glm::dvec2& a, const glm::dvec2&
     }
 }
 
-// What of a convex polygon lies where sign * (p[axis] - limit) >= 0.
+// Clips a convex polygon to sign * (p[axis] - limit) >= 0.
 using Polygon = std::vector<glm::dvec2>;
 void clip(Polygon& polygon, Polygon& rest, int axis, double limit, double sign) {
   const auto is_inside = [&](const glm::dvec2& p) { return sign * (p[axis] - limit) >= 0.0; };
@@ -137,7 +138,7 @@ PartLight light_of(const EmissionMap& map, const PartArea& part) {
   const EmissionMoments around = block_moments(map, lo, hi);
   // Look-ups may miss a small light: it gets half of the density that it has if all of it is within.
   if (side > kFewTexels) return {0.5 * around.rms, around.mean, around.rms - around.mean, side, true};
-  // What only rounding can reach is picked, but hardly ever.
+  // Points that only rounding can reach are picked, but hardly ever.
   const std::optional<EmissionMoments> integral = integrated(map, part, lo, hi);
   const EmissionMoments exact = integral ? *integral : looked_up(map, part);
   return {std::max(exact.rms, 1e-3 * around.rms), exact.mean, exact.rms - exact.mean, side};

@@ -33,8 +33,8 @@ double tent_luminance(const Environment& map, std::size_t x, std::size_t y) {
 // open floor is 0.79 (studio) and 0.89 (sunset) of that without, of Sponza 0.92 and 0.97; taking the whole mean away,
 // as the paper does, is worse under the sunset (1.17 and 1.05).
 void compensate(std::vector<double>& weights, std::size_t width, std::size_t height, double integral) {
-  constexpr double kTaken = 0.5;   // of the mean radiance
-  constexpr double kFloor = 0.125; // of its own weight, that a texel keeps
+  constexpr double kTaken = 0.5;   // multiple of the mean radiance that is subtracted
+  constexpr double kFloor = 0.125; // fraction of its own weight that a texel keeps
   const double taken = kTaken * integral / (4.0 * std::numbers::pi);
   for (std::size_t y = 0; y < height; ++y) {
     const double least = taken * texel_solid_angle(y, width, height);

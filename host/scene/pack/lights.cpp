@@ -98,7 +98,7 @@ std::vector<std::uint32_t> list_shining(const Object& object, const Emission& em
   return items;
 }
 
-// Of a triangle that shines, whatever its instance.
+// Emission of a triangle that is the same in every instance.
 struct ShiningTriangle {
   std::uint32_t item = 0;
   std::uint32_t parts = 0; // see Light::parts

@@ -40,7 +40,7 @@ std::uint32_t texture_flags(const TextureSlot& slot, bool is_float) {
   return flags;
 }
 
-// Whether they are looked up at the same position, so that texels of theirs are neighbours if they lie so.
+// True if both are looked up at the same position, so that their texels should be neighbours.
 bool look_alike(const TextureSlot& a, const TextureSlot& b) {
   return a.uv_set == b.uv_set && a.uv_matrix == b.uv_matrix && a.uv_offset == b.uv_offset;
 }

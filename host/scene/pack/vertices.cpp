@@ -58,7 +58,7 @@ void pack_layer_tangents(const std::vector<glm::vec4>* layers, const std::vector
     }
 }
 
-// Of a vertex of a piece, packed, in the space that `linear` leads to.
+// Packed tangent of a vertex of a piece, in the space that `linear` leads to.
 float cut_tangent(const Mesh& mesh, const std::vector<glm::vec4>& tangents, const CutVertex& vertex,
                   const glm::dmat3& linear) {
   if (tangents.empty()) return 0.0f;
@@ -115,8 +115,8 @@ glm::dvec4 blend(const Scene& scene, const Usage& usage, const CutVertex& vertex
   return sum;
 }
 
-// Whether every texture that the material reads with this set repeats, so that whole pairs of tiles can be taken from
-// its coordinates.
+// True if every texture that the material reads with this set repeats, so that whole pairs of tiles can be subtracted
+// from its coordinates.
 bool repeats(const Material& material, std::uint32_t uv_set) {
   bool all = true;
   visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) {

@@ -22,10 +22,10 @@ constexpr std::uint64_t kMostAsTheyAre = std::uint64_t{1} << 14; // and more are
 constexpr int kProbesAcross = 6, kProbesUp = 3, kDirections = 64;
 // Measured on 66 files: of rooms 0.60 of the probes and more are enclosed, of boxes without a front 0.44 and less, of
 // other objects 0.1 and less.
-constexpr double kEnclosed = 0.9;          // of a probe's rays that meet a surface which faces it
-constexpr double kCovered = 0.7;           // and of a position to stand at: under an open roof, at a window
-constexpr double kBackFacing = 0.1;        // and at most so many that meet a back
-constexpr double kRoomFraction = 0.5;      // of all probes that are enclosed
+constexpr double kEnclosed = 0.9;          // fraction of a probe's rays that meet a front face
+constexpr double kCovered = 0.7;           // the same for a standpoint, which may be under an open roof or at a window
+constexpr double kBackFacing = 0.1;        // largest fraction of its rays that meet a back face
+constexpr double kRoomFraction = 0.5;      // fraction of all probes that are enclosed
 constexpr double kRoughRoomFraction = 0.1; // with thin walls merged
 
 // Opaque triangles in single precision around `origin`, and the tree over them.
@@ -196,13 +196,13 @@ Vista longest_vista(const Geometry& geometry, const glm::dvec3& eye, double clea
   return longest;
 }
 
-// How high an eye is over the floor of a room of this height: of a person, where the numbers can be metres.
+// Height of the eye over the floor of a room of this height: a person's, if the numbers can be metres.
 double eye_height(double room_height) {
   constexpr double kEye = 1.6, kLowest = 2.0, kHighest = 40.0;
   return room_height >= kLowest && room_height <= kHighest ? kEye : 0.6 * room_height;
 }
 
-// Whether no ray that begins at an enclosed probe gets out.
+// True if no ray from an enclosed probe gets out.
 bool is_closed(const Geometry& geometry, const Bounds& bounds) {
   const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
   for (int i = 0; i < cells.x * cells.y * cells.z; ++i) {
