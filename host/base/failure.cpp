@@ -23,7 +23,7 @@ std::string failure_text(const std::exception& failure) {
   return fmt::format("wavepath: unexpected error ({}); report this", failure.what());
 }
 
-// That nobody reads stdout is no failure worth a line.
+// A closed stdout is no failure worth a line.
 void Attempts::note(const std::exception& failure) {
   const bool reader_gone = dynamic_cast<const ReaderGone*>(&failure) != nullptr;
   if (!first_ || only_reader_gone_)

@@ -11,7 +11,7 @@ struct AnyValue {
   operator T() const;
 };
 
-// How many values T's braces take. T has no base class, constructor or array member.
+// Number of values that T's braces take. T has no base class, constructor or array member.
 template <class T, class... Values>
 consteval std::size_t member_count() {
   if constexpr (requires { T{Values()..., AnyValue()}; })

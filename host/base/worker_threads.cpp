@@ -15,7 +15,7 @@ namespace wavepath {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";
-// Of what a worker runs it waits 1 to 3 % on a quiet machine (two cores, llvmpipe), and as long as it runs where
+// A worker waits 1 to 3 % of the time that it runs on a quiet machine (two cores, llvmpipe), and as long as it runs if
 // another program computes on its core.
 constexpr double kPatience = 0.5;
 constexpr std::uint64_t kTelling = 10'000'000; // nanoseconds of running, below which waiting tells nothing

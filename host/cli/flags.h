@@ -6,7 +6,8 @@
 
 #include "host/render/settings/flag_value.h"
 
-// Of CLI11, whose headers compile slowly. Only what asks the parser for more than these functions do includes them.
+// Parser of CLI11. Its headers compile slowly, so only files that need more of the parser than these functions include
+// them.
 namespace CLI {
 class App;
 class Option;

@@ -14,10 +14,10 @@
 
 namespace wavepath {
 
-// What is measured of the light that is missing, where it is asked for, or why it could not be.
+// Measurements of missing light, if they were asked for, or the reasons why they failed.
 struct MissingLight {
-  std::optional<DepthCut> cut;   // what the depth costs
-  std::optional<LostLight> lost; // what paths from the camera cannot find
+  std::optional<DepthCut> cut;   // light beyond --max-depth
+  std::optional<LostLight> lost; // light that paths from the camera cannot find
   std::string no_cut, no_lost;   // why they were not measured; empty = they were, or nobody asked
 };
 

@@ -12,7 +12,7 @@ namespace wavepath {
 // Positions are in the scene's world. Numbers that are not finite are the texts "inf", "-inf" and "nan".
 nlohmann::ordered_json trace_document(const PathTrace& trace, const PackedScene& scene, const RenderPlan& settings);
 
-// That document as text for a terminal.
+// The same document as text for a terminal.
 std::string trace_text(const nlohmann::ordered_json& document);
 
 } // namespace wavepath

@@ -15,10 +15,11 @@
 namespace wavepath {
 namespace {
 
-// Of a progressive file. Encoders make about ten; a small file of thousands would keep the decoder busy for hours.
+// Limit of the scans of a progressive file. Encoders make about ten; a small file of thousands would keep the decoder
+// busy for hours.
 constexpr int kMostScans = 500;
 
-// What libjpeg calls back; `errors` comes first, so that its address is that of the whole.
+// Callbacks of libjpeg. `errors` comes first, so that its address is that of the whole struct.
 struct Callbacks {
   Callbacks() {
     jpeg_std_error(&errors);
@@ -41,8 +42,8 @@ struct Callbacks {
     of(codec).jump.leave(words);
   }
 
-  // Whether the warning at hand says that pixels are missing or wrong; others are about oddities beside them. The end
-  // mark may be missing if there is one scan, which tells by itself whether it is whole.
+  // True if the current warning says that pixels are missing or wrong; others are about oddities besides them. The end
+  // mark may be missing if there is one scan, which itself tells whether it is complete.
   bool means_damage() const {
     const int code = errors.msg_code;
     return code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE || code == JWRN_ARITH_BAD_CODE ||

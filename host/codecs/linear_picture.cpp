@@ -78,7 +78,7 @@ LinearPicture read_decoded(const std::string& path, const ReadRequest& request) 
 
 // --- the module ---
 
-// What was chosen of a file.
+// The part and channels of a file that were chosen.
 struct Stored {
   StoredPart part;
   ColourChannels colours;

@@ -23,8 +23,8 @@ struct LoadedModule {
 constexpr const char* kModuleFolders[] = {"", "../lib/wavepath", "../host"};
 
 void* open_module() {
-  // Of the program or library that this code is in. A program that PATH has found is named without its folder; the name
-  // alone would be looked for in the current one, where a stranger's module may lie.
+  // Path of the program or library that contains this code. A program found by PATH is named without its folder; the
+  // name alone would be looked up in the current folder, where a stranger's module may be.
   Dl_info self{};
   const bool known = dladdr(reinterpret_cast<const void*>(&open_module), &self) != 0 && self.dli_fname &&
                      std::strchr(self.dli_fname, '/');

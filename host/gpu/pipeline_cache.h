@@ -23,7 +23,7 @@ public:
   // Writes the file unless it holds the same already. A folder that cannot be written is no error.
   void save();
 
-  // For people: the file and its size, or why there is none.
+  // Description for the user: the file and its size, or the reason why there is none.
   std::string describe() const;
 
 private:

@@ -104,7 +104,7 @@ private:
     }
   }
 
-  // What an element of fewer components is filled with.
+  // Values of the components that an element lacks.
   void fill(std::uint32_t component, std::uint32_t one) {
     if (!zeros_.contains(component))
       zeros_[component] = constant(component, 0), ones_[component] = constant(component, one);

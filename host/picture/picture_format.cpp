@@ -26,7 +26,7 @@ void require_format(const std::string& path, std::uint32_t width, std::uint32_t 
   const std::optional<PictureFormat> format = picture_format(path);
   if (!format)
     throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
-  // Of libjpeg and of libpng; .exr and .hdr hold all that --size can ask for.
+  // Limits of libjpeg and of libpng; .exr and .hdr hold every size that --size allows.
   const std::uint32_t longest = *format == PictureFormat::jpg   ? 65'500
                                 : *format == PictureFormat::png ? 1'000'000
                                                                 : std::numeric_limits<std::int32_t>::max();

@@ -108,7 +108,7 @@ struct TevViewer::Link {
     Picture picture;
   };
 
-  // Of the thread alone.
+  // Used by the thread alone.
   void serve(const std::string& host, const std::string& port);
   void connect_within(const std::string& host, const std::string& port, Clock::time_point end);
   bool send(std::string& packet);

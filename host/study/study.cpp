@@ -81,7 +81,7 @@ public:
   }
 
 private:
-  // Whether its integrator can render this scene so; otherwise the study says why not.
+  // True if the configuration's integrator can render this scene; otherwise the study notes why not.
   bool fits(const Configuration& configuration) {
     const RenderPlan& settings = configuration.settings;
     const std::string why = settings.integrator->unsupported_reason
@@ -348,8 +348,8 @@ private:
     series.points.push_back(point);
   }
 
-  // What a technique took. Rays of the lights that it does not cover count as looking up, which is all that traced
-  // shadows do.
+  // Times of a technique. Tracing rays of lights that it does not cover counts as looking up; traced shadows do nothing
+  // else.
   static std::optional<ShadowReport> shadow_work(const RenderResult& result) {
     ShadowReport report = result.shadows.value_or(ShadowReport{});
     const auto rays = std::ranges::find(result.stages, "connect", &StageTime::name);

@@ -45,7 +45,7 @@ std::string frame_flags(const StudyRecord& record) {
   return fmt::format(" --ao-radius {}", record.settings.render.ao_radius.value_or(0.0));
 }
 
-// What `render` would else find out by pilots: a study renders as told.
+// Flags for settings that `render` would otherwise decide by pilots, since a study renders without pilots.
 std::string told_flags(const RenderPlan& settings, const Configuration* varied) {
   const RenderPlan told = as_told(settings);
   std::string flags;

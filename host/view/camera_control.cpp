@@ -33,8 +33,8 @@ CameraControl::CameraControl(const Scene& scene, const Framing& framing, const V
 
 double CameraControl::radius() const { return framing_.bounds.radius() > 0.0 ? framing_.bounds.radius() : 1.0; }
 
-// What is left open in the request comes from the view that it gives: the target as far away as the middle of the
-// scene, a level camera's up from the world.
+// Values that the request leaves open come from the resolved view: the target is as far away as the middle of the
+// scene, and the up vector of a level camera is the world's.
 CameraControl::Pose CameraControl::pose() const {
   const View now = view();
   Pose pose{now.position, now.position, glm::normalize(now.up)};

@@ -281,8 +281,7 @@ void Viewer::focus() {
   move_camera();
 }
 
-// Whether the picture is to follow the window, which has another size. That of a scripted window has the size asked
-// for.
+// True if the picture must follow the window's new size. A scripted window keeps the size that was asked for.
 bool Viewer::resizing() const {
   const glm::uvec2 size = window_.size();
   const RenderPlan& settings = progressive_.settings();
@@ -476,7 +475,7 @@ void Viewer::adapt_exposure(double seconds) {
   redraws_ = std::max(redraws_, 1);
 }
 
-// Of the window: how far the render is, which task bars show of minimised windows too.
+// Sets the window's title: the progress of the render, which task bars show for minimised windows as well.
 void Viewer::show_title() {
   const char* state = done() ? ", done" : target_reached() ? ", target reached" : "";
   const std::string title = fmt::format("{} - {} spp{}", request_.title, status_.coarse > 1 ? 0 : status_.spp, state);

@@ -85,7 +85,7 @@ public:
   }
 
 private:
-  // Where the highest bit that differs changes; in the middle where none does, or where the kernel's stack would not
+  // Index at which the highest differing bit changes. The middle if no bit differs, or if the kernel's stack would not
   // hold more levels than halving takes.
   std::size_t cut(std::size_t begin, std::size_t end, std::uint32_t depth) const {
     const std::uint64_t difference = sorted_[begin].code ^ sorted_[end - 1].code;

@@ -7,7 +7,7 @@
 namespace wavepath {
 namespace {
 
-// Of the largest coordinate: far more than rounding moves anything, far less than a cell.
+// Slack relative to the largest coordinate: far more than rounding moves anything, far less than a cell.
 constexpr float kSlack = 0x1p-20f;
 
 bvh::Box widened(const bvh::Box& box) {
@@ -21,7 +21,7 @@ struct Point {
 
 Point point(const bvh::Vec3& v) { return {{v.x, v.y, v.z}}; }
 
-// Whether `axis` separates a triangle, relative to the middle of a box, from the box of these half sides.
+// True if `axis` separates a triangle, relative to the middle of a box, from the box with these half sides.
 bool separates(const Point& axis, const std::array<Point, 3>& corners, const Point& half) {
   const auto along = [&](const Point& p) { return axis.at[0] * p.at[0] + axis.at[1] * p.at[1] + axis.at[2] * p.at[2]; };
   const double a = along(corners[0]), b = along(corners[1]), c = along(corners[2]);

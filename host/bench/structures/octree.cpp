@@ -29,7 +29,7 @@ public:
   }
 
 private:
-  // Of the cube `cell` of the 2^level on each axis.
+  // Box of the cube `cell` among the 2^level on each axis.
   bvh::Box box_of(const glm::uvec3& cell, std::uint32_t level) const {
     const glm::vec3 side = tree_.size * std::ldexp(1.0f, -static_cast<int>(level));
     const glm::vec3 lo = tree_.lo + glm::vec3(cell) * side, hi = lo + side;

@@ -26,7 +26,8 @@ struct Structure {
 // About four cells a triangle, nearly cubes (Cleary and Wyvill 1988; Lagae and Dutre 2008), at most 2^24.
 Structure build_uniform_grid(std::span<const bvh::Triangle> triangles);
 
-// By the surface area heuristic over 32 planes an axis, with triangles cut to their cells (Wald and Havran 2006).
+// Builds a k-d tree by the surface area heuristic over 32 planes an axis, with triangles cut to their cells (Wald and
+// Havran 2006).
 Structure build_kd_tree(std::span<const bvh::Triangle> triangles);
 
 // Cubes halved on all axes until eight triangles or fewer are in one, or halving no longer separates them.

@@ -34,7 +34,7 @@ std::uint64_t size_of(const std::string& path) {
   return std::filesystem::file_size(path, error);
 }
 
-// Of bitmap, grey, indexed, RGB and CMYK; multichannel is 7, duotone 8, Lab 9.
+// Channels of bitmap, grey, indexed, RGB and CMYK; multichannel is 7, duotone 8, Lab 9.
 std::uint64_t least_channels(std::uint64_t mode) {
   constexpr std::array<std::uint64_t, 10> kChannels = {1, 1, 1, 3, 4, 0, 0, 3, 1, 3};
   if (mode >= kChannels.size() || kChannels[mode] == 0) throw ImageError("stores colours of an unknown mode");

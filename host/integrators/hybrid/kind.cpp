@@ -68,7 +68,7 @@ constexpr std::array<std::string_view, 9> kAoSettings = {"first-hit", "ao-sample
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
-// By --interpolation.
+// Indexed by the values of --interpolation.
 constexpr std::array<std::string_view, 3> kEvaluated = {
     "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
 
@@ -147,7 +147,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
                                settings.transparency_layers));
 }
 
-// Of the frame, whatever it shows.
+// Bias of every frame, whatever it shows.
 void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
   if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)

@@ -15,12 +15,12 @@ constexpr float kPrior = 30.0f; // samples that a cell counts as spread like the
 constexpr auto kEven = static_cast<float>(0.25 / std::numbers::pi);
 constexpr float kDark = 1e-30f; // a density of which nothing is known but that it is small
 
-// Of a grid of 2, 4, ..., kGuideSide cells a side, among the cells of all.
+// Index of the first cell of a grid with 2, 4, ..., kGuideSide cells a side, among the cells of all grids.
 constexpr std::size_t first_of(std::uint32_t grid) { return ((std::size_t{4} << (2 * grid)) - 4) / 3; }
 constexpr std::size_t kMapCells = first_of(kGrids);
 constexpr std::size_t kFinest = first_of(kGrids - 1);
 
-// By x, its bits at the even positions of a Morton number.
+// Indexed by x: its bits at the even positions of a Morton number.
 constexpr auto kSpread = [] {
   std::array<std::uint16_t, gpu::kGuideSide> table{};
   for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x)
@@ -85,7 +85,7 @@ void Histogram::add(const Histogram& other) {
     sum[cell] += other.sum[cell], squares[cell] += other.squares[cell];
 }
 
-// As map_position() of kernels/path/guide_map.glsl.
+// The same arithmetic as map_position() of kernels/path/guide_map.glsl.
 std::uint32_t map_cell(const glm::vec3& d) {
   const float across = d.z / std::max(std::abs(d.x) + std::abs(d.z), 1e-30f);
   const auto cell_of_unit = [](float u) {

@@ -222,8 +222,7 @@ std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint6
   return halves;
 }
 
-// What `read` finds in the header of an EXR; nothing if the file is none, because reading the picture itself says what
-// is wrong.
+// Result of `read` on the header of an EXR; empty if the file is none, because reading the picture itself reports that.
 template <class Read>
 auto read_header(const std::string& path, Read read) -> decltype(read(std::declval<const Imf::Header&>())) {
   if (picture_format(path) != PictureFormat::exr) return {};

@@ -8,7 +8,7 @@
 namespace wavepath {
 namespace {
 
-// Of two differences the smaller one, because one side may lie across an edge; `known`: which sides are seen.
+// The smaller of two differences, because one side may lie across an edge. `known`: the sides that are seen.
 float smaller(float a, bool known_a, float b, bool known_b) {
   if (!known_a || !known_b) return known_a ? a : known_b ? b : 0.0f;
   return std::abs(a) < std::abs(b) ? a : b;

@@ -131,7 +131,7 @@ Plane<double> component(const Plane<dvec3>& in, int index) {
   return out;
 }
 
-// What the eye resolves of the colours, in Hunt-adjusted L*a*b*.
+// Colours after the eye's contrast sensitivity filter, in Hunt-adjusted L*a*b*.
 std::vector<dvec3> perceived(const Plane<dvec3>& ycxcz) {
   const Plane<double> y = filter(component(ycxcz, 0), kAchromatic), cx = filter(component(ycxcz, 1), kRedGreen),
                       cz = filter(component(ycxcz, 2), kBlueYellow);

@@ -31,7 +31,7 @@ std::vector<double> direct_light(const Picture& picture) {
   return light;
 }
 
-// What half of the pixels that lights reach exceed.
+// Median of the light over the pixels that lights reach.
 double typical_light(std::vector<double> light) {
   std::erase_if(light, [](double l) { return !(l > 0.0); });
   if (light.empty()) return 0.0;

@@ -23,7 +23,7 @@ std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const B
 
 bool needs_aovs(Shown shown) { return (shown >= Shown::albedo && shown <= Shown::emission) || shown >= Shown::ao; }
 
-// What is shown brightest unless the user says: of the error half the pixel's value, of distances the scene's diameter.
+// Default of the brightest value shown: for errors half the pixel's value, for distances the scene's diameter.
 double automatic_range(Shown shown, const Progressive& progressive) {
   constexpr double kError = 0.5;
   if (shown == Shown::samples) return std::max(progressive.status().spp, 1u);

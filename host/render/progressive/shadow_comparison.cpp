@@ -11,7 +11,7 @@
 namespace wavepath {
 namespace {
 
-// Whether a render with the one is a render with the other: settings that mean nothing to its technique do not count.
+// True if both settings give the same render: settings without effect on the technique do not count.
 bool same_render(const RenderPlan& a, const RenderPlan& b) {
   if (a.integrator != b.integrator || a.width != b.width || a.height != b.height || a.aovs != b.aovs ||
       a.first_sample != b.first_sample || a.last_sample != b.last_sample)

@@ -197,7 +197,7 @@ Json sky_selection_json(const LightTraining& pilot) {
           {"pilot_seconds", pilot.seconds}};
 }
 
-// How next-event estimation chose among lights; null where it samples none.
+// Selection of lights by next-event estimation; null if it samples none.
 Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
@@ -218,7 +218,7 @@ Json light_selection_json(const Run& run) {
   return selection;
 }
 
-// What each of several devices did.
+// Work of each of several devices.
 Json devices_json(const MultiDeviceResult& shared) {
   Json devices = Json::array();
   for (const DeviceWork& work : shared.device_work) {

@@ -42,7 +42,7 @@ DecodedAccessor packed_attribute(const Document& document, Warnings& warnings, c
   if (!attribute)
     document.fail("its Draco data hold no attribute " + std::to_string(id) + ", which should be " + shown(name));
   const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
-  // Of colours Draco may hold three components where the accessor tells of four.
+  // Draco may hold three components of a colour where the accessor declares four.
   const int components = std::min(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)),
                                   static_cast<int>(attribute->num_components()));
   if (components < 1 || components > 4 || size > 4)

@@ -15,7 +15,7 @@ namespace wavepath::gltf {
 
 namespace {
 
-// By name. All have the same count.
+// Attributes by name; all have the same count.
 std::map<std::string, Elements> open_instance_attributes(Document& document, const tinygltf::Value& list) {
   std::map<std::string, Elements> attributes;
   std::string first;

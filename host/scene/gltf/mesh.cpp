@@ -181,7 +181,7 @@ std::size_t displace(const Elements& elements, double weight, const std::vector<
   return count;
 }
 
-// What is wrong with positions, normals and tangents is mended later: by the packer, and by repair_normals().
+// Invalid positions, normals and tangents are repaired later: by the packer, and by repair_normals().
 void gather_vertices(const Attributes& attributes, const std::vector<std::uint32_t>& used, Warnings& warnings,
                      Mesh& part) {
   const auto tell = [&](const char* what, std::size_t count) {

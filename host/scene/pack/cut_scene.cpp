@@ -9,8 +9,8 @@
 namespace wavepath {
 namespace {
 
-// As many instances of one mesh can be close to the eye without the others waiting for it; those farther away are
-// coarser.
+// Limit of instances of one mesh that count as near, so that one mesh does not make the others wait; instances farther
+// away are cut more coarsely.
 constexpr std::size_t kMostNearInstances = 64;
 
 } // namespace

@@ -63,7 +63,7 @@ T sum_within(const std::vector<T>& sums, std::int64_t width, std::int64_t x0, st
   return (at(x1 + 1, y1 + 1) - at(x0, y1 + 1)) - (at(x1 + 1, y0) - at(x0, y0));
 }
 
-// Of a position, 0 to n: as wrap_coordinate() has it.
+// Wraps a position to 0 .. n, as wrap_coordinate() does.
 double wrapped(double x, double n, std::uint32_t mode) {
   if (mode == gpu::kWrapClamp) return std::clamp(x, 0.0, n);
   if (mode == gpu::kWrapMirror) {

@@ -15,8 +15,7 @@
 namespace wavepath {
 namespace {
 
-// Where a triangle comes from: its part, its first index in the mesh's index list, and which of the object's pieces it
-// is.
+// Source of a triangle: its part, its first index in the mesh's index list, and its number among the object's pieces.
 struct TriangleSource {
   std::uint32_t part, first_index;
   std::uint32_t piece = kNoIndex;
@@ -94,7 +93,7 @@ std::vector<TriangleSource> list_sources(const ObjectSource& object) {
   return sources;
 }
 
-// By triangle its id, and for pieces that of the triangle they were cut from.
+// Id of each triangle; for pieces, that of the triangle they were cut from.
 struct Ids {
   std::vector<std::uint32_t> own, source;
 };

@@ -133,7 +133,7 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
   packed.centre = glm::vec3(bounds.centre() - packed.origin);
 }
 
-// What --textures hardware cannot do for.
+// Warns of textures that --textures hardware cannot look up.
 void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
   const ExactTextures exact = count_exact(textures);
   if (exact.floats > 0)

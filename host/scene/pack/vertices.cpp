@@ -86,7 +86,7 @@ void pack_cut_normals(const Scene& scene, const Usage& usage, std::span<const Cu
   });
 }
 
-// As pack_layer_tangents().
+// The same as pack_layer_tangents(), for vertices of pieces.
 void pack_cut_layer_tangents(const Scene& scene, std::span<const CutVertex> cut, const std::vector<glm::dmat3>& linear,
                              bool closed, glm::vec4* out) {
   for (std::size_t i = 0; i < cut.size(); ++i) {

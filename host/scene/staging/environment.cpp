@@ -77,7 +77,7 @@ void read_map(const std::string& file, Environment& environment) {
   }
 }
 
-// Whether the text looks like a file rather than a misspelled name.
+// True if the text looks like the name of a file, not like a misspelled name of an environment.
 bool names_file(const std::string& source) {
   std::error_code error;
   return std::filesystem::path(source).has_extension() || source.find('/') != std::string::npos ||

@@ -28,7 +28,7 @@ struct Perez {
   }
 };
 
-// Of luminance and of the chromaticities x and y (Preetham et al., A.2).
+// Coefficients of luminance and of the chromaticities x and y (Preetham et al., A.2).
 constexpr double kT = kTurbidity;
 constexpr Perez kLuminance{0.1787 * kT - 1.4630, -0.3554 * kT + 0.4275, -0.0227 * kT + 5.3251, 0.1206 * kT - 2.5771,
                            -0.0670 * kT + 0.3703};

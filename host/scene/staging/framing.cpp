@@ -67,7 +67,7 @@ public:
 
 private:
   static constexpr std::size_t kMostSides = 8;
-  // Of a polygon within the hull; inside where x * p.x + y * p.y > least.
+  // Side of a polygon within the hull; inside is x * p.x + y * p.y > least.
   struct Side {
     double x, y, least;
   };
@@ -117,7 +117,7 @@ void add_point(const Axes& axes, const glm::dvec3& p, Outlines& outlines) {
   outlines.upwards.add({glm::dot(p, axes.up), depth});
 }
 
-// As mesh_bounds(): only triangles that stay finite count.
+// Outlines of a mesh. As in mesh_bounds(), only triangles that stay finite count.
 Outlines mesh_outlines(const Mesh& mesh, const glm::dmat4& transform, const Axes& axes) {
   Outlines all;
   for (const Primitive& primitive : mesh.primitives) {

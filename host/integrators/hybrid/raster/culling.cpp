@@ -13,7 +13,7 @@ constexpr std::uint32_t kChunkTriangles = 256;
 constexpr double kFilterReach = 2.0; // pixels that a frame may be shifted by; the widest filter reaches 1.5
 constexpr double kRounding = 1e-6;   // relative, of positions on the device
 
-// Of an object's triangles [first, first + count).
+// Chunk of an object's triangles [first, first + count).
 Chunk chunk_of(const PackedScene& scene, std::uint32_t first, std::uint32_t count) {
   glm::dvec3 lo(gpu::kFar), hi(-gpu::kFar);
   for (std::uint32_t t = first; t < first + count; ++t)
@@ -58,7 +58,7 @@ bool may_see(std::span<const HalfSpace> frustum, const Chunk& chunk) {
   });
 }
 
-// Whether `next` continues `draw` in triangles or in instances.
+// True if `next` continues `draw` in triangles or in instances.
 bool join(Draw& draw, const Draw& next) {
   const bool same_instances = draw.first_instance == next.first_instance && draw.instance_count == next.instance_count;
   if (same_instances && draw.first_triangle + draw.triangle_count == next.first_triangle) {
@@ -76,7 +76,7 @@ bool join(Draw& draw, const Draw& next) {
 std::vector<Chunk> make_chunks(const PackedScene& scene) {
   std::vector<Chunk> chunks;
   for (const Draw& draw : scene.draws) {
-    // What is placed often is asked for as a whole.
+    // Objects with several instances are tested as a whole.
     const std::uint32_t step = draw.instance_count > 1 ? draw.triangle_count : kChunkTriangles;
     for (std::uint32_t done = 0; done < draw.triangle_count; done += step) {
       const Chunk chunk = chunk_of(scene, draw.first_triangle + done, std::min(step, draw.triangle_count - done));

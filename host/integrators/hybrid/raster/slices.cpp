@@ -23,7 +23,7 @@ std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint
         slices.emplace_back();
         capacity = most;
       }
-      // As many whole instances as there is room for, or a part of one.
+      // As many whole instances as fit, or a part of one.
       const auto instance = static_cast<std::uint32_t>(done / draw.triangle_count);
       const auto first = static_cast<std::uint32_t>(done % draw.triangle_count);
       const std::uint32_t left = draw.triangle_count - first;

@@ -9,7 +9,7 @@
 namespace wavepath {
 namespace {
 
-// Of a sphere's radius: off its surface, whose facets lie deeper.
+// Distance from a sphere's surface, relative to its radius: its facets lie deeper than the surface.
 constexpr double kLift = 1e-3;
 
 std::vector<gpu::ShadowView> views_from_points(const ShadowFit& fit, const ShadowSource& source, const View&,

@@ -46,7 +46,8 @@ constexpr KernelProgram kVsmProgram = {kVsmStages, kFilterableOrder, shadow_layo
                         kMomentProgram = {kMomentStages, kFilterableOrder, shadow_layout},
                         kLeakProgram = {kLeakStages, kFilterableOrder, shadow_layout};
 
-// Of what floats hold, with room for rounding; over the whole range of depths, as 40 is from -1 to 1.
+// Exponent within the range of floats, with a margin for rounding. It is for the whole range of depths, as 40 is for -1
+// to 1.
 constexpr double kExponent = 80.0;
 
 constexpr ShadowMapRecipe recipe(double exponent, bool counts = false) {
@@ -59,7 +60,7 @@ constexpr ShadowMapRecipe recipe(double exponent, bool counts = false) {
 }
 constexpr ShadowMapRecipe kMoments = recipe(0.0), kExponentials = recipe(kExponent), kTracesLeaks = recipe(0.0, true);
 
-// Of these, the first four are all that some take; the last one is the exponential ones' or the moments'.
+// Settings of these techniques. Some support the first four only; the last one is for exponential or moment maps.
 constexpr std::array<std::string_view, 5> kExponentialSettings = {"shadow-size", "shadow-bias", "shadow-source",
                                                                   "shadow-blur", "shadow-exponent"},
                                           kMomentSettings = {"shadow-size", "shadow-bias", "shadow-source",

@@ -17,7 +17,7 @@ struct Polygon {
   std::size_t count = 0;
 };
 
-// What is left of it where dot(normal, p) + offset >= 0.
+// Clips a polygon to dot(normal, p) + offset >= 0.
 Polygon clip(const Polygon& polygon, const glm::dvec3& normal, double offset) {
   Polygon out;
   for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -48,7 +48,7 @@ struct CellView {
         size(cells),
         pad(1.0),
         parallel(view.kind == gpu::kViewParallel) {
-    // Of parallel views, whose points have no least w: how far rounding moves a point.
+    // For parallel views, whose points have no least w: the distance by which rounding moves a point.
     if (parallel) pad += 0.5 * size * (kRowError / kGrowth) * double{view.radius} * std::max(reach.x, reach.y);
   }
 

@@ -45,7 +45,7 @@ const KernelProgram kLightmapProgram = {kLightmapStages, kLightmapOrder, [] { re
 constexpr std::uint64_t kRaysASlice = 1 << 14; // a few milliseconds of one core's work, and enough to fill a device
 constexpr float kShortOfTheLamp = 0.9999f;     // t_max: rays to points of a lamp end in front of its surface
 
-// What of the settings a lightmap is baked for.
+// Settings for which a lightmap is baked.
 struct BakedFor {
   std::uint32_t size = 0, taps = 0, cull = 0, terminator = 0;
   friend bool operator==(const BakedFor&, const BakedFor&) = default;

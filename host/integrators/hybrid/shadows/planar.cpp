@@ -55,7 +55,7 @@ std::optional<gpu::PlanarPair> pair_of(const ReceiverPlane& plane, const ShadowS
   return pair;
 }
 
-// What casters of the plane reach into: above it, and below the light.
+// Half spaces that casters reach into: above the plane, and below the light.
 std::vector<HalfSpace> between(const gpu::PlanarPair& pair) {
   const glm::dvec3 normal(pair.normal);
   std::vector<HalfSpace> sides = {{normal, pair.offset}};

@@ -12,7 +12,8 @@ namespace {
 const std::array<KernelCode, 1> kProjectedStages = {{{"shadow look-up", wavepath_look_up_projected_spv}}};
 const KernelProgram kProjectedProgram = {kProjectedStages, kOnlyStage, shadow_layout};
 
-// Of suns all of the scene, whatever the camera sees of it: a picture that is projected has to stay where it is.
+// Views of projectors. Those of suns show the whole scene, whatever the camera sees of it: a projected picture must
+// stay in place.
 std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const ShadowSource& source, const View&,
                                                 const RenderPlan&) {
   if (source.kind != kDirectionalSource) return usual_views(fit, source);

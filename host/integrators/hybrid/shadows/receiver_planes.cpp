@@ -86,7 +86,7 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
   for (const Cell& cell : candidates) planes.push_back(cell.plane);
   const double tolerance = plane_tolerance(scene);
   for_each_placed(scene, [&](const PlacedTriangle& triangle) {
-    // Of the first plane that it lies in, so that those found twice come to nothing.
+    // Counts a triangle for the first plane that it lies in only, so that planes found twice get no area.
     const auto found =
         std::ranges::find_if(planes, [&](const ReceiverPlane& plane) { return lies_in(triangle, plane, tolerance); });
     if (found != planes.end()) found->area += triangle.area;

@@ -32,7 +32,8 @@ std::string shadow_bias_text(const S& settings) {
 
 void read_shadow_cookie(const FlagValue& value, S& settings) { settings.shadow_cookie = value.text; }
 
-// By what the file holds: another picture of the same name is another render. One that cannot be read is refused later.
+// Identity by the contents of the file: another picture of the same name is another render. A file that cannot be read
+// is refused later.
 std::string shadow_cookie_identity(const S& settings) {
   std::vector<std::uint8_t> bytes(regular_file_size(settings.shadow_cookie).value_or(0));
   if (settings.shadow_cookie.empty() || !read_file(settings.shadow_cookie, 0, bytes)) return settings.shadow_cookie;

@@ -25,7 +25,7 @@ const KernelProgram kSdsmProgram = {kSdsmStages, kSdsmOrder, shadow_layout};
 constexpr std::uint32_t kNothingYet[] = {0xffffffffu, 0u}; // least and largest
 constexpr double kMargin = 1e-6;                           // of the usual view: what its positions are rounded by
 
-// Of ordered_bits() in kernels/hybrid/visible_point.glsl.
+// Inverse of ordered_bits() in kernels/hybrid/visible_point.glsl.
 float float_of(std::uint32_t ordered) {
   return std::bit_cast<float>(ordered & 0x80000000u ? ordered & 0x7fffffffu : ~ordered);
 }

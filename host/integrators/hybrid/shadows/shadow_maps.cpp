@@ -78,7 +78,7 @@ constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could b
 constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
 constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
 
-// What kernels/hybrid/shadows/planar.glsl asks of planes that receive.
+// Receiving planes, as kernels/hybrid/shadows/planar.glsl reads them.
 std::vector<gpu::PlanarPair> planes_of(const PackedScene& scene) {
   std::vector<gpu::PlanarPair> planes;
   for (const ReceiverPlane& plane : receiver_planes(scene)) {
@@ -144,7 +144,7 @@ public:
 
 private:
   bool is_raster() const { return settings_.shadow_source == kShadowSourceRaster; }
-  // That room is made for when views are made.
+  // Number of texels that are reserved when views are made.
   std::uint64_t texels() const {
     if (recipe_.pages) return 0; // none yet
     return std::uint64_t{settings_.shadow_size} * settings_.shadow_size * views_.size();
@@ -179,7 +179,7 @@ private:
     usual_views_ = views_;
   }
 
-  // How many texels there may be, the largest of whose buffers has that many bytes a texel.
+  // Limit of texels. `largest`: bytes a texel of the largest buffer.
   std::uint64_t most_texels(std::uint64_t largest) const {
     const DeviceInfo& info = workspace_.device.info();
     return std::min({info.max_texels(16), info.max_storage_range / largest, info.max_allocation / largest,

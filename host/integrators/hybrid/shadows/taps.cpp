@@ -20,7 +20,7 @@ std::vector<glm::vec4> grid(std::uint32_t count) {
   return taps;
 }
 
-// Of a sunflower: equal areas, each turned by the golden angle against the one before (Vogel 1979).
+// Positions of a sunflower's seeds: equal areas, each turned by the golden angle against the one before (Vogel 1979).
 std::vector<glm::vec4> vogel(std::uint32_t count) {
   constexpr double kGoldenAngle = 2.39996322972865332;
   std::vector<glm::vec4> taps;

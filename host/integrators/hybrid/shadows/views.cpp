@@ -179,7 +179,7 @@ std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSourc
   if (source.kind == kSphereSource) return cube_views(fit, source.position, glm::length(source.u));
   const glm::dvec3 up = across(source.direction, glm::dvec3(0, 1, 0));
   if (source.kind & kAreaSources) {
-    // As wide as what is seen lies apart; the rest is traced.
+    // The view is as wide as the visible receivers; other points are traced.
     const glm::dvec3 right = glm::cross(source.direction, up);
     double tangent = 1e-3;
     for (const glm::dvec3& p : fit.receivers) {

@@ -38,7 +38,7 @@ Range depths_of(const ShadowFit& fit, const View& view) {
   return range_over(fit.receivers, [&](const glm::dvec4& p) { return glm::dot(depth, p); });
 }
 
-// Whether x to the right and y downwards show the world as a mirror does, which would turn fronts into backs.
+// True if x to the right and y downwards mirror the world, which would turn fronts into backs.
 bool is_mirrored(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w, const glm::dvec3& p,
                  const glm::dvec3& direction) {
   const glm::dvec4 q(p, 1.0);

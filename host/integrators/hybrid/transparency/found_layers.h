@@ -1,4 +1,4 @@
-// What techniques draw into that find one layer a pixel and pass: its index in the list, and its depth.
+// Target of techniques that find one layer a pixel and pass: its index in the list, and its depth.
 #pragma once
 
 #include <array>

@@ -15,7 +15,8 @@ struct LayerTriangle {
   glm::dvec3 middle{0.0}; // device world
 };
 
-// Those of materials that `holds` is true of, each once, copies of spatial splits left out, by instance and source.
+// Triangles of the materials for which `holds` returns true, each once, without copies made by spatial splits, sorted
+// by instance and source.
 std::vector<LayerTriangle> layer_triangles(const PackedScene& scene, bool (*holds)(const gpu::Material& material));
 
 // From the farthest middle along the view axis to the nearest; of equal ones the first in the list is drawn first.

@@ -25,7 +25,7 @@ struct LayerFrame {
   const Buffer& layers;  // kBindLayers
 };
 
-// Of device memory, kBindLayers included.
+// Device memory for each pixel, kBindLayers included.
 std::uint64_t layer_bytes_per_pixel(const LayerRecipe& recipe);
 
 class Layers {

@@ -13,8 +13,8 @@ namespace wavepath {
 
 inline bool is_blended(const gpu::Material& material) { return material.flags & gpu::kMaterialBlend; }
 
-// What draws the triangles of layers, BLEND ones unless it says otherwise, that lie in front of what is opaque into a
-// picture of the layers alone: their light, and the fraction of the light behind them that they let pass.
+// Recipe that draws the triangles of layers in front of the opaque surfaces, BLEND ones unless it says otherwise, into
+// a picture of the layers alone: their light, and the fraction of the light behind them that they let pass.
 struct LayerRecipe {
   RasterCode code; // layer.vert, and a fragment shader
   std::span<const AttachmentInfo> attachments;
@@ -24,7 +24,7 @@ struct LayerRecipe {
   KernelCode finish{};
   // Times that everything is drawn, each followed by `finish`.
   std::uint32_t (*passes)(const RenderPlan& settings) = [](const RenderPlan&) { return 1u; };
-  std::span<const std::uint32_t> bindings{}; // that attachments are copied to for `finish`, by attachment
+  std::span<const std::uint32_t> bindings{}; // for each attachment, the binding that it is copied to for `finish`
   bool (*holds)(const gpu::Material& material) = is_blended;
 };
 
@@ -32,8 +32,8 @@ struct LayerRecipe {
 struct TransparencyKind {
   std::string_view name; // value of --transparency
   std::string_view summary;
-  std::string_view subject = "BLEND surfaces";         // of which it is the summary
-  std::span<const std::string_view> settings{};        // that it takes
+  std::string_view subject = "BLEND surfaces";         // surfaces that the summary is about
+  std::span<const std::string_view> settings{};        // settings that it supports
   std::uint32_t flag = 0;                              // kHybrid bit of its frames
   const LayerRecipe* layers = nullptr;                 // null = it has none
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
