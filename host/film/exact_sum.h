@@ -20,8 +20,8 @@ inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
 // Value of the sum, rounded to 53 bits. It depends only on the numbers added, not on their order. `top`: index of the
 // highest digit.
 inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
-  const std::uint64_t exponent =
-      1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
+  // Exponent of a power of two that doubles hold exactly.
+  const std::uint64_t exponent = 1023 + 32 * std::uint64_t{top} - 32 - 149;
   const double unit = std::bit_cast<double>(exponent << 52);
   const std::int64_t high = digit_sum(sum.high), low = digit_sum(sum.low);
   constexpr std::int64_t kFew = std::int64_t{1} << 30; // both fit into 64 bits, which are faster to convert

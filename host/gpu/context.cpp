@@ -364,6 +364,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
       const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info();
       check(create(instance_, &info, nullptr, &messenger_), "creating the validation messenger");
     }
+    // The device and its queue family.
     const std::vector<VkPhysicalDevice> physical = physical_devices(instance_);
     std::vector<DeviceInfo> described;
     for (VkPhysicalDevice p : physical) described.push_back(describe(p, emulation));
@@ -375,6 +376,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     unified_memory_ = info_.type == "cpu" || info_.type == "integrated";
 
     const float priority = 1.0f;
+    // Features and extensions.
     VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
     queue_info.queueFamilyIndex = queue_family_;
     queue_info.queueCount = 1;
@@ -408,6 +410,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     VkPhysicalDeviceFeatures supported{}, core10{};
     vkGetPhysicalDeviceFeatures(physical_, &supported);
     core10.robustBufferAccess = validation && supported.robustBufferAccess; // a slip does not reach foreign memory
+    // The logical device, its queue and its pipeline cache.
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
     info.pEnabledFeatures = &core10;
@@ -416,8 +419,8 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     {
-      std::optional<WorkerThreads::Making>
-          making; // llvmpipe starts its threads: one a core unless it is told otherwise
+      // llvmpipe starts its threads in vkCreateDevice(): one for each core unless it is told otherwise.
+      std::optional<WorkerThreads::Making> making;
       if (info_.dispatches_at_once && !std::getenv("LP_NUM_THREADS")) making.emplace(workers_);
       check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     }

@@ -10,8 +10,8 @@ namespace wavepath {
 // A device as `wavepath info` reports it. `missing` names what the program needs and the device lacks; empty = usable.
 struct DeviceInfo {
   std::string name, driver;
-  std::string
-      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_EMULATE)
+  // One of cpu, integrated, discrete, virtual, other. Choices between CPU and GPU depend on it (see WAVEPATH_EMULATE).
+  std::string type;
   std::string api; // "1.3.230"
   std::uint32_t subgroup_size = 0;
   std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap

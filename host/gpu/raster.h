@@ -33,8 +33,9 @@ struct AttachmentInfo {
   ImageFormat format = ImageFormat::rgba32f;
   bool sampled = false; // kernels sample it
   ClearValue clear{};
-  DeviceImage* shared =
-      nullptr; // an image of the target's size and this format, drawn into instead of one of the target's own
+  // Image of the target's size and this format, which is drawn into in place of an image of the target's own; null =
+  // own image.
+  DeviceImage* shared = nullptr;
 };
 
 enum class Cull { none, front, back }; // front: counter-clockwise in the picture, whose y axis points down

@@ -34,8 +34,9 @@ struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals; // unit length; zero where a primitive is flat
-  std::vector<glm::vec4>
-      tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
+  // xyz: unit length; w = +-1. Read from the file or computed compatibly with MikkTSpace. Filled only if a normal map
+  // needs them.
+  std::vector<glm::vec4> tangents;
   // Tangents of layers (kCoatTangents, kGrainTangents) whose texture is read by other coordinates; empty if they are
   // the same.
   std::vector<glm::vec4> layer_tangents[2];
@@ -77,8 +78,7 @@ struct PunctualLight {
   double range = 0.0; // metres at which a point or spot light has faded to nothing; 0 = nowhere
 };
 
-// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see environment.h); empty =
-// constant.
+// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see lat_long.h); empty = constant.
 struct Environment {
   glm::vec3 radiance{0.0f}; // constant radiance, or the scale of the map
   std::uint32_t width = 0, height = 0;

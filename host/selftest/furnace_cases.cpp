@@ -111,8 +111,8 @@ Measurement grazing(const SelftestContext& context) {
     add_metal(palette, 0.5f);
     add_metal(palette, 1.0f);
     add_glass(palette, 1.5f);
-    const double held =
-        std::max(cosine, 1e-3); // shading_normal() of surface.glsl lets no direction graze the normal more
+    // The function shading_normal() of surface.glsl keeps all directions at least this far from grazing.
+    const double held = std::max(cosine, 1e-3);
     const double reflected = fresnel(held, 1.5), within = 1.0 / (1.5 * 1.5);
     const struct {
       const char* name;

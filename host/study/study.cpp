@@ -189,8 +189,8 @@ private:
       seconds = render_one(settings, kernels, "pilot for the " + what).seconds;
       if (study_.interrupted || seconds > kPilotFraction * budget) break;
     }
-    const double samples =
-        std::numbers::sqrt2 * (budget - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
+    // Rounded to the nearest power of two.
+    const double samples = std::numbers::sqrt2 * (budget - (seconds_ - before)) * settings.last_sample / seconds;
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
   }
 

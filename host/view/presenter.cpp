@@ -7,8 +7,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPatience =
-    100'000'000; // nanoseconds; some displays take nothing from windows that nobody sees
+// Nanoseconds; some displays take nothing from windows that nobody sees.
+constexpr std::uint64_t kPatience = 100'000'000;
 
 VkImageMemoryBarrier2 change(VkImage image, VkImageLayout from, VkImageLayout to) {
   VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -126,8 +126,8 @@ void Presenter::record(Presentation& presentation, std::uint32_t index, const Bu
   written.srcAccessMask = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
   written.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
   written.dstAccessMask = VK_ACCESS_2_TRANSFER_READ_BIT;
-  VkImageMemoryBarrier2 filling =
-      change(image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL); // after `acquired`: submit()
+  // Waits for `acquired` in submit().
+  VkImageMemoryBarrier2 filling = change(image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   filling.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
   wait_for(presentation.commands, &written, &filling);
 

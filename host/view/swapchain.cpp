@@ -102,6 +102,7 @@ bool Swapchain::recreate() {
   release_images();
   if (size.x == 0 || size.y == 0 || fitting.x == 0 || fitting.y == 0) return false;
 
+  // The swapchain, which replaces the old one.
   VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
   info.surface = surface_;
   info.minImageCount = can.minImageCount + 1; // one more than the display holds, so that drawing need not wait
@@ -126,6 +127,7 @@ bool Swapchain::recreate() {
   check(result, "creating a swapchain");
   extent_ = info.imageExtent;
 
+  // A view and a framebuffer for each image.
   std::uint32_t count = 0;
   check(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, nullptr), "listing the window's images");
   images_.resize(count);

@@ -46,15 +46,15 @@ GPU_CONSTANT Feature kFeatureFloatTextures = 1u << 23;   // texels of four float
 GPU_CONSTANT Feature kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list of entries, by levels
                                                          // (wave.h), and generate keeps samplers
-GPU_CONSTANT Feature kFeatureSharedFirstHit =
-    1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
+// All paths of a pixel in a wave begin at one first hit and belong to one replicate.
+GPU_CONSTANT Feature kFeatureSharedFirstHit = 1u << 26;
 GPU_CONSTANT Feature kFeatureLightTree = 1u << 27;  // many local lights: picked by a walk down a tree
 GPU_CONSTANT Feature kFeatureLightCells = 1u << 28; // local lights: trained probabilities for each cell of space
 GPU_CONSTANT Feature kFeatureGuide = 1u << 29;      // directions are also drawn from a trained field
 GPU_CONSTANT Feature kFeaturePanes = 1u << 30;      // thin smooth panes, or walls, that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
-GPU_CONSTANT Feature kFeatureTraining =
-    1u << 31; // training passes only: kernels record data to train lights, sky and guide
+// Training passes only: kernels record data to train lights, sky and guide.
+GPU_CONSTANT Feature kFeatureTraining = 1u << 31;
 
 // Lobes of a material beyond glTF's metallic-roughness model (kernels/surface/layers.glsl).
 GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);
@@ -67,20 +67,20 @@ GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // scattering in volumes
 GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
 GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
-GPU_CONSTANT Feature kFeatureMips =
-    GPU_LOBE(9); // textures have mip levels, for frames of one sample: no lobe, but a bit of that word
+// Textures have mip levels, for frames of one sample: no lobe, but a bit of that word.
+GPU_CONSTANT Feature kFeatureMips = GPU_LOBE(9);
 GPU_CONSTANT Feature kFeatureTexelPages2 = GPU_LOBE(10);  // texels fill more than one page, likewise no lobes
 GPU_CONSTANT Feature kFeatureTexelPages4 = GPU_LOBE(11);  // more than two
 GPU_CONSTANT Feature kFeatureTexelPages16 = GPU_LOBE(12); // more than four
 GPU_CONSTANT Feature kFeatureTexelPages = GPU_LOBE(13) - GPU_LOBE(10);
-GPU_CONSTANT Feature kFeatureSampledTextures =
-    GPU_LOBE(13); // the device's samplers look textures up; kernels without this bit have other bindings
+// The device's samplers look textures up; kernels without this bit have other bindings.
+GPU_CONSTANT Feature kFeatureSampledTextures = GPU_LOBE(13);
 // Some textures are looked up by kernels although kFeatureSampledTextures is set.
 GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14);
-GPU_CONSTANT Feature kFeatureLearnedSky =
-    GPU_LOBE(15); // parts of the environment map are picked with trained probabilities
-GPU_CONSTANT Feature kFeatureWalls =
-    GPU_LOBE(16); // bodies of ior 1, whose walls shadow rays pass; beside kFeaturePanes
+// Parts of the environment map are picked with trained probabilities.
+GPU_CONSTANT Feature kFeatureLearnedSky = GPU_LOBE(15);
+// Bodies of ior 1, whose walls shadow rays pass; set besides kFeaturePanes.
+GPU_CONSTANT Feature kFeatureWalls = GPU_LOBE(16);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

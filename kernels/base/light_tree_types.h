@@ -8,8 +8,8 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindLightTree =
-    56u; // texels RGBA32UI: root and nodes; branches and cluster by light; branches by cluster
+// Texels RGBA32UI: root and nodes; branches and cluster by light; branches by cluster.
+GPU_CONSTANT uint kBindLightTree = 56u;
 
 // A link is the record of an inner node, or with kLightLeaf the index of a light.
 GPU_CONSTANT uint kLightLeaf = 0x80000000u;
@@ -50,8 +50,8 @@ GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
 // Every cell of space, by hash, has probabilities of clusters of lights: subtrees of the light tree, the environment,
 // all directional lights, and the whole tree, which is chosen often enough that no light is left out.
 GPU_CONSTANT uint kBindLightCells = 57u; // texels R32UI: by cell and cluster the end of its interval of the integers
-GPU_CONSTANT uint kBindLightSums =
-    58u; // storage uint[] (kFeatureTraining), see host/integrators/path/cell_histograms.h
+// Storage uint[] (kFeatureTraining), see host/integrators/path/cell_histograms.h.
+GPU_CONSTANT uint kBindLightSums = 58u;
 GPU_CONSTANT uint kLightCells = 1u << 14;
 GPU_CONSTANT uint kLightClusters = 64u;
 GPU_CONSTANT uint kSubtreeClusters = 61u;

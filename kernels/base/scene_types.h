@@ -13,8 +13,8 @@ namespace wavepath::gpu {
 // 19 the film, those from 20 on what is the integrator's own.
 // Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage
 // buffers.
-GPU_CONSTANT uint kBindNodes =
-    1u; // texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items
+// Texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items.
+GPU_CONSTANT uint kBindNodes = 1u;
 GPU_CONSTANT uint kBindTriangles = 2u;        // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
 GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, see kPieceId
 GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
@@ -56,8 +56,8 @@ GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
 GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // MASK or BLEND that lets some rays pass, or unlit
 GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
-GPU_CONSTANT uint kTrianglePane =
-    1u << 28; // its material may be a thin smooth pane, or a body of ior 1: light passes unbent
+// Its material may be a thin smooth pane, or a body of ior 1: light passes unbent.
+GPU_CONSTANT uint kTrianglePane = 1u << 28;
 GPU_CONSTANT uint kTriangleMaterialMask = kTrianglePane - 1u;
 
 // Set in the id of a piece that a huge triangle was cut into (host/scene/pack/cut.h), but for the first one, which
@@ -82,8 +82,8 @@ struct Instance {
   vec4 world_from_object[3];
   uint root;        // node at which traversal of the object starts; see QueryScene for ray queries
   uint flipped;     // 0 or 1
-  uint id;          // in the order of the source
-  uint first_light; // of its triangles; 0 in a scene without instances
+  uint id;          // index in the order of the scene
+  uint first_light; // first light of its triangles; 0 in a scene without instances
 };
 GPU_CHECK(sizeof(Instance) == 16 * kInstanceTexels);
 
@@ -96,8 +96,8 @@ GPU_CONSTANT uint kMaterialVolume = 1u << 4;    // a closed volume: refracts; ot
 GPU_CONSTANT uint kMaterialPriorityShift = 16u; // priority of a volume among those that overlap: 1 to 65535
 
 GPU_CONSTANT float kMinSheenAlpha = 1e-3f; // finer fibres would be a spike at grazing angles that nothing samples
-GPU_CONSTANT float kMinAlpha =
-    1e-4f; // smoother microfacets (alpha = roughness^2) are a mirror: see kernels/surface/bsdf.glsl
+// Smoother microfacets (alpha = roughness^2) are a mirror: see kernels/surface/bsdf.glsl.
+GPU_CONSTANT float kMinAlpha = 1e-4f;
 
 // Factors of glTF 2.0 and its extensions; texture fields index Texture[] or are kNone.
 struct Material {
@@ -178,8 +178,8 @@ GPU_CONSTANT uint kTextureFloat = 1u << 6;   // four float words a texel, alread
 GPU_CONSTANT uint kTextureUv1 = 1u << 7;     // TEXCOORD_1
 GPU_CONSTANT uint kTextureMoved = 1u << 8;   // uv_matrix and uv_offset apply
 GPU_CONSTANT uint kTextureSampled = 1u << 9; // the texture is in an atlas
-GPU_CONSTANT uint kTextureBesideShift =
-    10u; // two bits: how many images lie side by side with it (kernels/base/tile_order.h)
+// Two bits: how many images lie side by side with it (kernels/base/tile_order.h).
+GPU_CONSTANT uint kTextureBesideShift = 10u;
 GPU_CONSTANT uint kTextureLayerShift = 16u; // above it the layer of the atlas
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
@@ -211,10 +211,10 @@ struct Light {
   float probability; // probability of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
   uint end;          // end of its interval, which begins at the end of the previous light's
-  float
-      pdf_area;  // kLightTriangle: mean density of its points, per unit of world area, the choice of the light included
-  uint triangle; // kLightTriangle: one of its copies
-  uint instance; // kLightTriangle; 0 where the scene is not instanced
+  // KLightTriangle: mean density of its points, per unit of world area, the choice of the light included.
+  float pdf_area;
+  uint triangle;    // kLightTriangle: one of its copies
+  uint instance;    // kLightTriangle; 0 where the scene is not instanced
   uint triangle_id; // kLightTriangle
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;

@@ -219,6 +219,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   uint slot = ray.slot;
   bool hits = wave.bounce == 0u || uses_technique(kTechniqueHit);
 
+  // A ray that left the scene.
   if (hit.triangle == kNone) {
     if (!hits) return;
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
@@ -232,6 +233,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     return;
   }
 
+  // The vertex; straight on if another body hides the surface.
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
@@ -241,6 +243,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     wants.ray = wave.bounce < frame.max_depth && pass_hidden(v, ray, offset, path, next);
     return;
   }
+  // Emission, weighted against all other techniques.
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) { // as in path/shade.comp: no light
@@ -262,6 +265,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     add_radiance(path, slot, path.throughput * emitted * weight);
   }
 
+  // Connections to a light and to the light path, and the next ray.
   if (wave.bounce >= frame.max_depth) return;
   Sampler path_sampler = slot_sampler(slot);
   uint dimension = bounce_dimension(wave.bounce);

@@ -22,8 +22,8 @@ struct PhotonFrame {
   uint path_count; // light paths of each replicate
   uint cell_count; // a power of two
   float radius;
-  float
-      density; // pi radius^2 path_count: of photons that are found from a point, over the density per area of one path
+  // Pi radius^2 path_count: of photons that are found from a point, over the density per area of one path.
+  float density;
   float cells_per_metre;
   uint pad0;
   uint pad1;

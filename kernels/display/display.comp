@@ -20,8 +20,8 @@ layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { ui
 
 float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
 
-// Of an ExactSum whose highest digit is `top`, see film_types.h; in two steps, since 2^(32 top - 181) alone may be
-// below any float.
+// Value of an ExactSum whose highest digit is `top`, see film_types.h; in two steps, since 2^(32 top - 181) alone may
+// be below any float.
 float value_of(uvec4 sum, uint top) {
   float high = float(int(sum.y)) * 4294967296.0 + float(sum.x), low = float(int(sum.w)) * 4294967296.0 + float(sum.z);
   int exponent = int(32u * top) - 181, half_of_it = exponent / 2;
@@ -48,7 +48,7 @@ vec4 fetch_sum(uint index) {
   return vec4(sum, float(count_tops.x));
 }
 
-// Black, purple, orange, pale yellow, as sRGB: the colours of host/render/error_map.cpp.
+// Black, purple, orange, pale yellow, as sRGB: the colours of host/picture/error_map.cpp.
 vec3 map_color(float value) {
   const vec3 kStops[5] = vec3[5](vec3(0.0, 0.0, 0.015), vec3(0.32, 0.07, 0.48), vec3(0.72, 0.21, 0.47),
                                  vec3(0.99, 0.53, 0.38), vec3(0.99, 0.99, 0.75));
@@ -85,7 +85,7 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
     if (normal_hits.w == 0.0) return vec3(0.0);
     if (job.shown == kShowNormal) return 0.5 + 0.5 * normal_hits.xyz;
     if (job.shown == kShowPosition) return 0.5 + 0.5 * texelFetch(film_aov_texels, aov + 2).xyz / job.range;
-    return vec3(1.0 - texelFetch(film_aov_texels, aov).w / job.range); // what is near is bright
+    return vec3(1.0 - texelFetch(film_aov_texels, aov).w / job.range); // near surfaces are bright
   }
   if (job.shown == kShowOcclusion) return to_srgb(vec3(clamp(texelFetch(film_aov_texels, aov + 3).w, 0.0, 1.0)));
   if (job.shown == kShowRoughness) return vec3(texelFetch(film_aov_texels, aov + 4).w); // as textures hold them

@@ -8,12 +8,12 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindScreen =
-    40u; // storage uint[]: what a window shows, a word of bytes R G B A a pixel (or B G R A), row-major
+// Storage uint[]: what a window shows, a word of bytes R G B A a pixel (or B G R A), row-major.
+GPU_CONSTANT uint kBindScreen = 40u;
 
 GPU_CONSTANT uint kBindFilmAovWords = 47u; // texels RGBA32UI: the same memory as kBindFilmAovs
 
-// What of the film is shown.
+// Quantities of the film that can be shown.
 GPU_CONSTANT uint kShowColor = 0u, kShowAlbedo = 1u, kShowNormal = 2u, kShowDepth = 3u, kShowPosition = 4u,
                   kShowDirect = 5u, kShowIndirect = 6u, kShowEmission = 7u, kShowSamples = 8u, kShowVariance = 9u,
                   kShowError = 10u, kShowOcclusion = 12u, kShowRoughness = 13u, kShowMetallic = 14u,
@@ -28,17 +28,17 @@ struct DisplayJob {
   uint film_width;
   uint film_height;
   uint first_film_pixel; // in tile order, of the band that is bound
-  uint film_pixel_count; // of that band
+  uint film_pixel_count; // number of its pixels
   uint probes;           // as Frame has it
   uint first_probe;      // block of the band's first probe
-  uint seed;             // of the render
+  uint seed;             // seed of the render
   uint shown;
   uint tonemap;
   uint bgra;         // order of the bytes: 1 = B G R A
   uint splats;       // 1: the film has some
-  float gain;        // on radiance
-  float range;       // what is shown brightest where that is no radiance
-  uint first_column; // of the screen: what is left of it stays
+  float gain;        // factor of radiance
+  float range;       // value that is shown brightest, for quantities other than radiance
+  uint first_column; // first column of the screen that is drawn
 };
 
 #ifdef __cplusplus

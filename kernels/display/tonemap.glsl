@@ -1,4 +1,5 @@
-// From linear radiance to display values: the curves of host/render/tonemap.cpp, which says where they come from.
+// Tone curves, which map linear radiance to display values: those of host/picture/tonemap.cpp, which names their
+// sources.
 #ifndef WAVEPATH_TONEMAP_GLSL
 #define WAVEPATH_TONEMAP_GLSL
 

@@ -8,8 +8,8 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindFilm =
-    16u; // storage FilmPixel[], kReplicates a pixel; with error probes one an entry (error_probes.h)
+// Storage FilmPixel[], kReplicates a pixel; with error probes one an entry (error_probes.h).
+GPU_CONSTANT uint kBindFilm = 16u;
 GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel, with probes one an entry (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
 GPU_CONSTANT uint kBindSplats = 41u; // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them

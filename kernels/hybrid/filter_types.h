@@ -52,8 +52,8 @@ GPU_CONSTANT uint kFilterHistoryNow = 5u;    // storage vec4[]
 GPU_CONSTANT uint kFilterShapesBefore = 6u; // texels RGBA32UI: packed shape, frames in the history
 GPU_CONSTANT uint kFilterShapesNow = 7u;    // storage uvec4[]
 GPU_CONSTANT uint kFilterShapes = 8u;       // texels RGBA32UI: the same memory, for reading
-GPU_CONSTANT uint kFilterMomentsBefore =
-    9u; // texels RGBA32F: mean and variance of the direct light, of the unoccluded fraction
+// Texels RGBA32F: mean and variance of the direct light, of the unoccluded fraction.
+GPU_CONSTANT uint kFilterMomentsBefore = 9u;
 GPU_CONSTANT uint kFilterMomentsNow = 10u;    // storage vec4[]
 GPU_CONSTANT uint kFilterMomentsTexels = 11u; // texels RGBA32F: the same memory, for reading
 GPU_CONSTANT uint kFilterGuideIn = 12u;       // texels RGBA32UI: packed shape, standard errors

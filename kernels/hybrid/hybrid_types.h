@@ -10,11 +10,11 @@ namespace wavepath::gpu {
 
 // Everything a pixel has is row-major from the top left here.
 GPU_CONSTANT uint kBindHybrid = 32u; // uniform HybridFrame
-GPU_CONSTANT uint kBindVisibility =
-    33u; // texels RG32UI: index in the triangle buffer, instance; kNone where nothing is seen
+// Texels RG32UI: index in the triangle buffer, instance; kNone where nothing is seen.
+GPU_CONSTANT uint kBindVisibility = 33u;
 GPU_CONSTANT uint kBindGbuffer = 34u; // storage GbufferPixel[]
-GPU_CONSTANT uint kBindSignals =
-    35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded fraction
+// Storage vec4[]: reflected direct light over demodulation(albedo), unoccluded fraction.
+GPU_CONSTANT uint kBindSignals = 35u;
 GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front

@@ -29,7 +29,7 @@ void main() {
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
-  // As kernels/hybrid/visibility.vert, of the point q / w, relative to the eye.
+  // Position as in kernels/hybrid/visibility.vert, for the point q / w, relative to the eye.
   float w = pair.height - height * pair.is_point;
   vec3 q =
       pair.height * (position - frame.camera_position) - height * (pair.light - pair.is_point * frame.camera_position);

@@ -11,7 +11,7 @@ layout(set = 0, binding = kFilterColorOut, std430) writeonly buffer ColorBlock {
 layout(set = 0, binding = kFilterHistoryBefore) uniform samplerBuffer history_before;
 layout(set = 0, binding = kFilterHistoryNow, std430) writeonly buffer HistoryBlock { vec4 history_now[]; };
 
-const float kMostFrames = 10.0;  // that a history counts for: a new frame gets a tenth
+const float kMostFrames = 10.0;  // most frames that a history counts for: a new frame gets a tenth
 const float kClip = 1.25;        // half the clip box, in standard deviations of the neighbourhood
 const float kLargest = 1e18;     // larger colours count as not finite
 

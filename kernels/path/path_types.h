@@ -15,8 +15,8 @@ GPU_CONSTANT uint kBindRayTexels = 22u;  // texels RGBA32F: the same memory, for
 GPU_CONSTANT uint kBindHits = 23u;       // storage Hit[], one a ray in the queue
 GPU_CONSTANT uint kBindShadowRays = 24u; // storage ShadowRay[]
 GPU_CONSTANT uint kBindQueues = 25u;     // storage Queues
-GPU_CONSTANT uint kBindPathMedia =
-    26u; // storage uint[], one a slot: material whose inside the path is in (kFeatureVolume): path/bodies.glsl
+// Storage uint[], one a slot: material whose inside the path is in (kFeatureVolume): path/bodies.glsl.
+GPU_CONSTANT uint kBindPathMedia = 26u;
 GPU_CONSTANT uint kBindPathAovs = 27u;   // storage PathAovs[], one a slot (kFeatureAovs)
 GPU_CONSTANT uint kBindPathTexels = 28u; // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI

@@ -253,6 +253,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   choose_channel(slot);
   bool scatters = is_in_scattering_medium(slot);
 
+  // A ray that left the scene.
   if (kSort == kSortNone && hit.triangle == kNone) {
     escape(ray, path);
     return;
@@ -261,6 +262,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
+  // Scattering or absorption on the way to the surface.
   if (scatters) {
     if (scatter_in_medium(ray, length(offset), path, next)) {
       wants_ray = wave.bounce < frame.max_depth;
@@ -271,6 +273,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   } else if (has(kFeatureVolume)) {
     path.throughput *= medium_transmittance(current_body(slot), length(offset));
   }
+  // The vertex; straight on if another body hides the surface.
   if (wave.bounce == 0u) open_cone(hit, offset);
   Vertex v = make_vertex(surface, material, ray.direction);
   if (uses_walls())
@@ -283,6 +286,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     wants_ray = wave.bounce < frame.max_depth;
     return;
   }
+  // Emission, weighted against next-event estimation.
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
   disperse(v, path);
 
@@ -302,6 +306,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
   }
 
+  // Light samples, directions to the sky, and the next ray.
   vec3 wo = to_local(v, v.wo);
   if (wave.bounce < frame.max_depth && wo.z > 0.0) {
     Lobes lobes = lobes_of(v.bsdf, wo);

@@ -1,5 +1,5 @@
-// What the kernels of Whitted's ray tracer share (Whitted, "An Improved Illumination Model for Shaded Display", CACM
-// 23(6), 1980).
+// Common code of the kernels of Whitted's ray tracer (Whitted, "An Improved Illumination Model for Shaded Display",
+// CACM 23(6), 1980).
 //
 // At every surface: emission, a shadow ray to every light (of very many emissive triangles, to some), the ambient term;
 // smooth metal and glass send reflected and refracted rays, weighted by Fresnel's equations. What that finds is all

@@ -57,7 +57,7 @@ LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 tri
   if (has(kFeatureEnvironment) && index >= frame.light_count) return sample_sky(u);
   Light light = fetch_light(index);
   LightSample s = sample_one_light(light, from, u);
-  float rays = picks ? float(whitted.triangle_rays) * light.probability : 1.0; // that go to this light
+  float rays = picks ? float(whitted.triangle_rays) * light.probability : 1.0; // rays that go to this light
   s.pdf = picks && index >= whitted.triangles ? 0.0 : s.pdf / light.probability * rays; // others have rays of their own
   if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) triangle = uvec2(light.triangle_id, light.instance);
   return s;

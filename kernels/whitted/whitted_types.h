@@ -1,4 +1,4 @@
-// What the kernels of Whitted's ray tracer share.
+// Types of the kernels of Whitted's ray tracer.
 #ifndef WAVEPATH_WHITTED_TYPES_H
 #define WAVEPATH_WHITTED_TYPES_H
 
@@ -29,7 +29,7 @@ struct WhittedFrame {
   uint width;         // nodes of a tree: kTreeWidth, or 1 where one branch is always chosen
   uint triangles;     // emissive ones, which come first in the list of lights
   uint triangle_rays; // shadow rays of a surface to them
-  uint shadow_rays;   // and to all lights, a sky of one colour included
+  uint shadow_rays;   // shadow rays to all lights, a sky of one colour included
 };
 GPU_CHECK(sizeof(WhittedFrame) == 32);
 
@@ -43,11 +43,11 @@ struct WhittedNode {
   uint path;   // names the way of reflections and refractions that led here
   Hit hit;
   vec3 hit_weight; // fraction of what the surface hit sends towards the origin that reaches the eye
-  uint hit_medium; // that the ray arrived in
+  uint hit_medium; // medium that the ray arrived in
   vec3 arrival;    // direction of the ray that hit
   uint hit_path;
-  uint depth;     // of the ray; kNone where none ever was
-  uint hit_depth; // of the ray that hit a surface which lights may light; kNone where none did
+  uint depth;     // depth of the ray; kNone if there was none
+  uint hit_depth; // depth of the ray whose hit lights may light; kNone if there was none
   uint pad0;
   uint pad1;
 };

@@ -32,8 +32,8 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
   for (const PathStage stage : stages) bits |= 1u << stage;
   return bits;
 }
-inline constexpr std::uint32_t kLightingStages =
-    stage_bits({kAdvance, kExtend, kShade, kConnect}); // stages from a first hit on
+// Stages from a first hit on.
+inline constexpr std::uint32_t kLightingStages = stage_bits({kAdvance, kExtend, kShade, kConnect});
 inline constexpr std::uint32_t kAllPathStages =
     stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
                 kAccumulate}); // stages of a path tracer that is not training

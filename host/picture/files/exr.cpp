@@ -291,8 +291,8 @@ std::optional<Picture> read_own_exr(const std::string& path) try {
   Imf::InputFile input(path.c_str());
   const Imf::Header& header = input.header();
   const Imath::Box2i window = header.dataWindow();
-  const bool whole =
-      window == header.displayWindow() && window.min == Imath::V2i(0, 0) && !header.hasName(); // parts have names
+  // Only parts of a file with several parts have names.
+  const bool whole = window == header.displayWindow() && window.min == Imath::V2i(0, 0) && !header.hasName();
   if (!whole || !header.findTypedAttribute<Imf::StringAttribute>("wavepath.version")) return {};
   if (Imf::hasChromaticities(header)) {
     const Imf::Chromaticities c = Imf::chromaticities(header);

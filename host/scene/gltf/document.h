@@ -33,8 +33,8 @@ struct Document {
   tinygltf::Model model; // without buffers, images and materials; every index in it is in range
   std::shared_ptr<const nlohmann::json> materials;
   std::vector<Source> buffers, images;
-  std::vector<std::size_t>
-      nodeless_channels; // for each animation, the number of its channels that name no node; they are not in `model`
+  // For each animation, the number of its channels that name no node; they are not in `model`.
+  std::vector<std::size_t> nodeless_channels;
   std::vector<std::uint8_t> binary; // contents of buffer 0 of a .glb file
 
   // Contents of each buffer and of each compressed view; empty until needed.

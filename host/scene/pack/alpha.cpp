@@ -13,8 +13,8 @@
 namespace wavepath {
 namespace {
 
-constexpr double kLargestTexel =
-    1 << 20; // beyond, and where a triangle spans more copies of its image, all of it counts
+// Texel coordinates beyond this, and triangles that span more copies of their image: the whole image counts.
+constexpr double kLargestTexel = 1 << 20;
 constexpr double kMostCopies = 16;
 
 // Range of the vertices' alpha, by which look-ups multiply that of a texel.

@@ -262,8 +262,8 @@ Emission find_emission(const PackedScene& packed, std::span<const Object> object
   std::vector<double> totals(maps.size(), 0.0);
   for (const Textured& triangle : textured) totals[triangle.material] += triangle.light.mean * triangle.area;
   for (double worth = kWorthCutting;; worth *= 4.0) {
-    std::atomic<std::uint64_t> parts =
-        0; // never above kMostParts in the pass that is kept, so that no order of threads shows
+    // Never above kMostParts in the pass that is kept, so that no order of threads shows.
+    std::atomic<std::uint64_t> parts = 0;
     tbb::parallel_for(std::size_t{0}, textured.size(), [&](std::size_t i) {
       Textured& triangle = textured[i];
       Cutter cutter(*maps[triangle.material], worth * totals[triangle.material] / triangle.area, parts);

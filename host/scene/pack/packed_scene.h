@@ -64,8 +64,8 @@ struct PackedScene {
   // Empty if no surface of the scene needs them (see the kFeature bits).
   std::vector<glm::uvec4> triangle_vertices; // also present if triangles were cut
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
-  std::uint32_t layer_tangents =
-      0; // vertices from one's normal to its tangents of layers that have their own; 0 = none
+  // Offset in vertices from a normal to the layers' own tangents of its vertex; 0 = there are none.
+  std::uint32_t layer_tangents = 0;
   // Index in vertex_normals of the normals at the time when the shutter closes, if the scene moves.
   std::uint32_t end_normals = 0;
 

@@ -19,8 +19,8 @@ struct Packing {
   // The point around which single precision should be finest: the origin is the point of the geometry's box nearest to
   // it, or the box's centre.
   std::optional<glm::dvec3> eye{};
-  std::vector<glm::dvec3>
-      near{}; // positions of cameras: triangles that are huge compared with their distance to one are cut, see cut.h
+  // Positions of cameras: triangles that are huge compared with their distance to one are cut, see cut.h.
+  std::vector<glm::dvec3> near{};
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
   bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
   // The device's samplers look up textures, within these limits.

@@ -5,7 +5,7 @@
 
 #include "kernels/hybrid/antialias/frame_color.glsl"
 
-const float kContrast = 0.125;    // of the brightest neighbour, from which on there is an edge
+const float kContrast = 0.125;    // contrast, relative to the brightest neighbour, from which on there is an edge
 const float kDarkest = 0.0625;    // contrast below which none is seen
 const float kSubpixel = 0.75;     // fraction of the blur that takes out single pixels
 const int kFarthest = 24;         // pixels along the edge to either end

@@ -50,7 +50,7 @@ vec2 fractions(ivec2 pixel, ivec2 back) {
 void main() {
   ivec2 pixel = lane_pixel();
   if (!in_picture(pixel)) return;
-  // What the neighbours above, below, left and right bring.
+  // Weights of the neighbours above, below, left and right.
   vec4 weights = vec4(fractions(pixel, ivec2(0, -1)).x, fractions(pixel + ivec2(0, 1), ivec2(0, -1)).y,
                       fractions(pixel, ivec2(-1, 0)).x, fractions(pixel + ivec2(1, 0), ivec2(-1, 0)).y);
   vec3 color = color_at(pixel);

@@ -6,7 +6,7 @@
 #include "kernels/hybrid/antialias/frame_color.glsl"
 #include "kernels/hybrid/antialias/smaa_edges.glsl"
 
-const float kThreshold = 0.1;  // of brightness on the display
+const float kThreshold = 0.1;  // difference of brightness on the display
 const float kAdaptation = 2.0; // an edge as many times stronger beside hides it: their section 3.1
 
 float step_between(ivec2 a, ivec2 b) { return abs(luma_at(a) - luma_at(b)); }

@@ -14,11 +14,11 @@ GPU_CONSTANT uint kBindPlanarShadows = 86u; // texels R32UI: picture by picture,
 
 // A plane and a source that shines on it. In device world.
 struct PlanarPair {
-  vec3 normal;     // of the plane, on the side of the light
+  vec3 normal;     // normal of the plane, on the side of the light
   float offset;    // dot(normal, p) + offset = metres above it
   vec3 light;      // its position; of suns the direction to it, of unit length
   float is_point;  // 1; 0 for suns
-  float height;    // of the light above the plane, metres; of suns the cosine of the angle to the normal
+  float height;    // height of the light above the plane, metres; for suns the cosine of the angle to the normal
   float tolerance; // metres: of the plane is what is no farther from it
   uint source;     // picture that the shadow is drawn into; where there are planes alone, how many
   uint pad0;

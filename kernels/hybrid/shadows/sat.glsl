@@ -3,7 +3,8 @@
 #ifndef WAVEPATH_SHADOW_SAT_GLSL
 #define WAVEPATH_SHADOW_SAT_GLSL
 
-const uint kSatSteps = (1u << 20) - 1u; // of a depth, from the near to the far end of a view: boxes of 2^24 texels fit
+const uint kSatSteps = (1u << 20) - 1u; // steps of a depth from the near to the far end of a view: boxes of 2^24 texels
+                                        // fit
 
 uvec2 add64(uvec2 a, uvec2 b) {
   uint carry;
@@ -16,7 +17,7 @@ uvec2 product64(uvec2 a, uint b) {
   umulExtended(a.x, b, high, low);
   return uvec2(low, high + a.y * b);
 }
-// Of a signed one.
+// Value of a signed number.
 float float64(uvec2 a) {
   bool negative = (a.y & 0x80000000u) != 0u;
   if (negative) a = negative64(a);

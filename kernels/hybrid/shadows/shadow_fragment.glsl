@@ -1,4 +1,4 @@
-// What a texel of a shadow map shows, for fragment shaders that declare the varyings of shadow_map.vert. Include
+// Contents of a texel of a shadow map, for fragment shaders that declare the varyings of shadow_map.vert. Include
 // bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
 #ifndef WAVEPATH_SHADOW_FRAGMENT_GLSL
 #define WAVEPATH_SHADOW_FRAGMENT_GLSL
@@ -17,7 +17,7 @@ Sampler texel_sampler(uint view, uvec2 texel) {
   return make_sampler(frame.seed, (view * shadow.size + texel.y) * shadow.size + texel.x, 0u, 1u);
 }
 
-// What a paraboloid shows of the other half of all directions, beyond the texels at its rim.
+// True for points of the other half of all directions, which a paraboloid shows beyond the texels at its rim.
 bool is_behind(ShadowView v) {
   return v.kind == kViewParaboloid && dot(v.depth, vec4(position, 1.0)) < -v.texel * distance(position, v.light);
 }

@@ -10,8 +10,8 @@ namespace wavepath::gpu {
 
 GPU_CONSTANT uint kBindShadowFrame = 64u; // uniform ShadowFrame
 GPU_CONSTANT uint kBindShadowViews = 65u; // texels RGBA32F: ShadowView[]
-GPU_CONSTANT uint kBindShadowLights =
-    66u; // texels RG32UI, by light: its first view (kNone = rays are traced), how many
+// Texels RG32UI, by light: its first view (kNone = rays are traced), how many.
+GPU_CONSTANT uint kBindShadowLights = 66u;
 GPU_CONSTANT uint kBindShadowDepths = 67u;   // texels R32F: depth of the nearest surface, view by view, row by row from
                                              // the top; kFar where there is none
 GPU_CONSTANT uint kBindShadowIds = 68u;      // texels RG32UI: index of that surface's triangle, instance (kMapIds)
@@ -23,11 +23,11 @@ GPU_CONSTANT uint kBindShadowDepthWords = 73u;    // storage float[]: the same m
 GPU_CONSTANT uint kBindShadowIdWords = 74u;       // storage uvec2[]: the same memory as the ids
 GPU_CONSTANT uint kBindShadowCounts = 75u;        // storage ShadowCounts, of techniques that leave rays to be traced
 
-// How positions follow from points: parallel and perspective views by ShadowView::x, y, w; a paraboloid by the
-// direction from the light.
+// Projections of a view: parallel and perspective views by ShadowView::x, y, w; a paraboloid by the direction from the
+// light.
 GPU_CONSTANT uint kViewParallel = 0u, kViewPerspective = 1u, kViewParaboloid = 2u;
 
-// What a light sees in one direction, size x size texels.
+// A view of a light in one direction, size x size texels.
 struct ShadowView {
   // Rows for a point (p, 1) in device world: (x, y) / w from -1 to 1 across the view, x to the right, y downwards; z /
   // w is 1 at the near end and falls with distance. Paraboloid: x, y and depth are the axes, z is not used.
@@ -39,10 +39,10 @@ struct ShadowView {
                 // anywhere; 0 = that is warped, w is no constant
   float near;   // metres: what is nearer casts no shadow
   float far;    // metres: depth of what is farthest
-  float radius; // of the light's extent, metres; 0 for a point
+  float radius; // radius of the light, metres; 0 for a point
   uint first_texel; // in the maps; of virtual ones, the first page in their table
-  uint
-      is_part; // 1: from a point of a body that hides it from where the view does not show, so that no light goes there
+  // 1: from a point of a body that hides it from where the view does not show, so that no light goes there.
+  uint is_part;
   uint pad0, pad1;
 };
 GPU_CHECK(sizeof(ShadowView) == 128);
@@ -61,10 +61,10 @@ struct ShadowFrame {
   uint taps;
   uint pattern;   // kPattern...
   float blur;     // radius of a filter, in texels
-  float exponent; // of exponential maps
-  uint bits;      // that a moment map holds for each moment
+  float exponent; // exponent of exponential maps
+  uint bits;      // bits of each moment in a moment map
   uint view_count;
-  uint cascades; // of the frustum's parts, each with a view
+  uint cascades; // number of the frustum's parts, each with a view
   uint pad0;
 };
 GPU_CHECK(sizeof(ShadowFrame) == 48);

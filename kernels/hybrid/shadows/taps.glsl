@@ -13,7 +13,7 @@ vec2 tap_rotation(Receiver r) {
   return cos_sin_turns(hash_unit(slot_sampler(r.slot), kRotation, 0u));
 }
 
-// Of tap i, in units of the filter's radius.
+// Offset of tap i, in units of the filter's radius.
 vec2 tap_offset(uint i, vec2 rotation) {
   vec2 tap = texelFetch(shadow_taps, int(i)).xy;
   return vec2(rotation.x * tap.x - rotation.y * tap.y, rotation.y * tap.x + rotation.x * tap.y);

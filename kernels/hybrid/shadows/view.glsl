@@ -36,12 +36,12 @@ vec4 view_position(ShadowView v, vec3 p) {
   return vec4(direction.xy / max(distance_ + direction.z, 1e-6 * distance_), 1.0 - distance_ / v.far, 1.0);
 }
 
-// What maps hold for a point.
+// Depth that maps hold for a point.
 float view_depth(ShadowView v, vec3 p) {
   return v.kind == kViewParaboloid ? distance(p, v.light) : dot(v.depth, vec4(p, 1.0));
 }
 
-// Of a point in device world, in texels from the top left. False if the view does not show it.
+// Position of a point of the device's world in texels from the top left. False if the view does not show it.
 bool project_to_view(ShadowView v, vec3 p, out vec2 position) {
   vec4 h = view_position(v, p);
   position = (0.5 * h.xy / h.w + 0.5) * float(shadow.size);

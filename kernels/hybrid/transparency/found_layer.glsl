@@ -19,7 +19,7 @@ layout(set = 0, binding = kBindLayerSeen) uniform usamplerBuffer layer_seen;
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Its light as layer_light() has it; false where there is none.
+// Light of the layer by layer_light(); false if there is none.
 bool found_layer(uint pixel_index, out vec4 light) {
   uint layer = texelFetch(layer_seen, int(pixel_index)).x;
   if (layer == kNone) return false;

@@ -8,10 +8,10 @@ namespace wavepath {
 namespace {
 
 constexpr double kParallel = 1e-3; // sine of the angle between light and camera below which there is nothing to warp
-constexpr double kNearestDepth =
-    0.01;                          // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
-constexpr double kFlattest = 0.01; // ratio of least and largest w up to which a perspective is taken
-constexpr double kFocus = 0.25;    // fraction of the depths that a trapezoid gives most of the map to,
+// Depth that counts as the nearest one, of the farthest: a hull reaches to the eye.
+constexpr double kNearestDepth = 0.01;
+constexpr double kFlattest = 0.01;     // ratio of least and largest w up to which a perspective is taken
+constexpr double kFocus = 0.25;        // fraction of the depths that a trapezoid gives most of the map to,
 constexpr double kFocusPosition = 0.6; // which ends there, between -1 and 1
 
 struct Range {
