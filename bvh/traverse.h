@@ -3,11 +3,14 @@
 //
 // Algorithm. A stack holds groups of pending siblings, nearest on top; pending leaves are in a list of their own.
 // Repeat:
-// 1. Visit nodes until at least two leaves are pending or no node is left.
-// 2. Test all pending leaves, the latest first.
+//
+//     1. Visit nodes until at least two leaves are pending or no node is left.
+//     2. Test all pending leaves, the latest first.
+//
 // A visit of a node does three things. It appends the leaves that the ray enters, highest slot first, so that the
 // lowest is tested first. It pushes the inner children that the ray enters as one group, nearest first; any-hit rays
 // take the highest slot first, which is the largest child. It then pops the first child of the topmost group.
+//
 // Postponed leaves cost a ray 2 % more visits and 10 % more tests, but lanes of a subgroup then visit nodes together
 // far more often. Pending entries are not compared with t_best again. Closest hit: a candidate replaces the best if t <
 // best, or if t == best and its primitive has the lower index. So the answer depends neither on the order of visits nor

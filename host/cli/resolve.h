@@ -12,6 +12,7 @@ namespace wavepath {
 void resolve_settings(const SceneRequest& scene, RenderRequest& request);
 
 // The parts of resolve_settings(), for commands that need only some of them.
+//
 // The sample range. Throws UsageError where --spp and --samples disagree.
 void resolve_samples(RenderRequest& request);
 // Chooses the integrator where --integrator is absent: `auto`, except in two cases that take `path`. First, a flag asks

@@ -97,7 +97,7 @@ struct IntegratorKind {
   double (*work)(const RenderPlan& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
 
-// All integrators, the default one first. host/integrators/factory.cpp defines the list; no other file names them.
+// All integrators, the default one first. host/integrators/factory.cpp defines the list; no other file does.
 std::span<const IntegratorKind* const> integrators();
 const IntegratorKind& default_integrator();
 // The integrator of that name; null if there is none.
