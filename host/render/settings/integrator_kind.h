@@ -62,7 +62,7 @@ struct IntegratorKind {
   bool (*has_effect)(const RenderPlan& settings, std::string_view setting) = nullptr;
   // Reason why it cannot render this scene with these settings; empty = it can. Null = it can render any scene.
   std::string (*unsupported_reason)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
-  // kFeature bits that its kernels need besides those of the scene and of adaptive rendering. Null = none.
+  // kFeature bits that its kernels need besides those of the scene and of adaptive rendering.
   gpu::Feature (*features)(const RenderPlan& settings) = nullptr;
   // Begins compiling for a scene of these expected kFeature bits, before the scene is loaded. A wrong guess costs time
   // but changes no result.
@@ -85,7 +85,7 @@ struct IntegratorKind {
   // Sentences that say which light is approximated or missing; the first one is about long paths.
   std::vector<std::string> (*bias)(const RenderPlan& settings, const RenderResult& result) = nullptr;
   std::vector<OmittedStage> (*omitted)(const RenderPlan& settings) = nullptr;
-  // Its own settings as they were used, for the stats document. Null = it has none.
+  // Returns its own settings as they were used, for the stats document; JSON null if it has none.
   nlohmann::ordered_json (*stats)(const RenderPlan& settings, const PackedScene& scene,
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
