@@ -48,7 +48,6 @@ protected:
 TEST_F(AovTest, TellWhichSurfaceIsSeen) {
   const Scene scene = squares();
   for (const IntegratorKind* integrator : integrators()) {
-    if (integrator->name == "auto") continue;
     SCOPED_TRACE(integrator->name);
     const Picture seen = picture(scene, integrator, 1);
     const auto &x = channel(seen, "P.X"), &y = channel(seen, "P.Y"), &z = channel(seen, "P.Z");
@@ -76,7 +75,7 @@ TEST_F(AovTest, KeepIdsWhole) {
   Scene scene = squares();
   scene.instances.erase(scene.instances.begin());
   for (const IntegratorKind* integrator : integrators()) {
-    if (!integrator->finds_light || integrator->name == "auto") continue;
+    if (!integrator->finds_light) continue;
     SCOPED_TRACE(integrator->name);
     const Picture seen = picture(scene, integrator, 16);
     std::size_t nothing = 0, mixed = 0;

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/plan/integrator.h"
@@ -42,7 +41,7 @@ protected:
   }
   static RenderPlan settings(std::uint32_t spp) {
     RenderPlan settings;
-    settings.integrator = &automatic_integrator();
+    settings.integrator = IntegratorSetting::automatic();
     settings.last_sample = spp;
     settings.max_depth = 5;
     return settings;

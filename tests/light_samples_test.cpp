@@ -12,7 +12,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/plan/sky_samples.h"
-#include "host/render/settings/light_samples.h"
+#include "host/render/settings/direct_sampling.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {
@@ -26,6 +26,13 @@ protected:
     return result;
   }
 };
+
+std::uint32_t lights_in(const RenderPlan& settings, gpu::Feature scene) {
+  return direct_sampling(settings, scene).lights;
+}
+std::uint32_t sky_samples_in(const RenderPlan& settings, gpu::Feature scene) {
+  return direct_sampling(settings, scene).sky;
+}
 
 // The rooms' open side behind a thin pane, so that rays to the sky pass it and paths bring light through it.
 Scene glazed_rooms() {
@@ -101,15 +108,15 @@ TEST_F(LightSamples, HalfAsManyAtEachBounce) {
 
 TEST_F(LightSamples, AutoTakesMoreUnderAMapAlone) {
   const RenderPlan automatic = asked(0);
-  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), kLightSamplesOfMaps);
-  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironmentMap | gpu::kLobeSheen), kFewLightSamplesOfMaps);
-  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironmentMap | gpu::kFeatureLightTree), kFewLightSamplesOfMaps);
-  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureTriangleLights), 1u);
-  EXPECT_EQ(light_samples_of(asked(0, gpu::kDirectBsdf), gpu::kFeatureEnvironmentMap), 1u) << "there are none";
-  EXPECT_EQ(light_samples_of(asked(3), 0), 3u);
+  EXPECT_EQ(lights_in(automatic, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), kLightSamplesOfMaps);
+  EXPECT_EQ(lights_in(automatic, gpu::kFeatureEnvironmentMap | gpu::kLobeSheen), kFewLightSamplesOfMaps);
+  EXPECT_EQ(lights_in(automatic, gpu::kFeatureEnvironmentMap | gpu::kFeatureLightTree), kFewLightSamplesOfMaps);
+  EXPECT_EQ(lights_in(automatic, gpu::kFeatureEnvironment | gpu::kFeatureTriangleLights), 1u);
+  EXPECT_EQ(lights_in(asked(0, gpu::kDirectBsdf), gpu::kFeatureEnvironmentMap), 1u) << "there are none";
+  EXPECT_EQ(lights_in(asked(3), 0), 3u);
   RenderPlan other = asked(3);
   other.integrator = &kBidirectional;
-  EXPECT_EQ(light_samples_of(other, gpu::kFeatureEnvironmentMap), 1u);
+  EXPECT_EQ(lights_in(other, gpu::kFeatureEnvironmentMap), 1u);
 
   const Subject open = subject(floor_under_map(), automatic);
   EXPECT_TRUE(*render(open, automatic).film == *render(open, asked(kLightSamplesOfMaps)).film);
@@ -288,19 +295,19 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
 TEST_F(LightSamples, KernelsForAnyNumberOfSkySamplesTakeOne) {
   const RenderPlan plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);
   RenderPlan trying = plain;
-  trying.kernels.sky_samples = true;
+  trying.kernels.shared_sky = true;
   const Subject rooms = subject(rooms_under_a_sky(0), plain);
   EXPECT_TRUE(*render(rooms, plain).film == *render(rooms, trying).film);
 }
 
 TEST_F(LightSamples, SkySamplesAreForASkyOfOneColour) {
   const RenderPlan four = with_sky_samples(asked(1), 4);
-  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment), 4u);
-  EXPECT_EQ(sky_samples_of(four, 0), 1u) << "there is none";
-  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), 1u);
-  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeaturePanes), 1u);
-  EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1, gpu::kDirectNee), 4), gpu::kFeatureEnvironment), 1u);
-  EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1), 0), gpu::kFeatureEnvironment), 1u) << "auto, before it is chosen";
+  EXPECT_EQ(sky_samples_in(four, gpu::kFeatureEnvironment), 4u);
+  EXPECT_EQ(sky_samples_in(four, 0), 1u) << "there is none";
+  EXPECT_EQ(sky_samples_in(four, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), 1u);
+  EXPECT_EQ(sky_samples_in(four, gpu::kFeatureEnvironment | gpu::kFeaturePanes), 1u);
+  EXPECT_EQ(sky_samples_in(with_sky_samples(asked(1, gpu::kDirectNee), 4), gpu::kFeatureEnvironment), 1u);
+  EXPECT_EQ(sky_samples_in(with_sky_samples(asked(1), 0), gpu::kFeatureEnvironment), 1u) << "auto, before it is chosen";
   EXPECT_EQ(learned_sky_samples(four, gpu::kFeatureEnvironment), 7u);
   EXPECT_EQ(learned_sky_samples(asked(4), gpu::kFeatureEnvironment), 5u) << "the light samples have the other queues";
 }

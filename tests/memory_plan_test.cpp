@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/plan/memory.h"
@@ -100,8 +99,9 @@ TEST(MemoryPlan, RefusesWhatDoesNotFit) {
 // What auto asks for is the candidate that it takes without a pilot; the others may take more.
 TEST(MemoryPlan, TellsCandidatesOfAutoApart) {
   const DeviceInfo cpu = device_of("cpu");
-  const RenderPlan automatic = settings_of(automatic_integrator()), path = settings_of(kPath);
-  RenderPlan guided = path;
+  const RenderPlan path = settings_of(kPath);
+  RenderPlan automatic = path, guided = path;
+  automatic.integrator = IntegratorSetting::automatic();
   guided.guide = true;
   const MemoryCheck check("a.glb", {}, kLamps, cpu, MemoryCheck("a.glb", {}, kLamps, cpu).bytes(automatic));
   EXPECT_TRUE(check.fits(path));

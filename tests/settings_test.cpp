@@ -41,7 +41,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                specialize, aovs] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
-      {"integrator", std::string(integrator->name)},
+      {"integrator", std::string(name_of(integrator))},
       {"width", text(width)},
       {"height", text(height)},
       {"first_sample", text(first_sample)},
@@ -270,15 +270,19 @@ TEST(Settings, NumbersAreExact) {
 
 TEST(Settings, ARowIsNamedOnceAndListedByWhoSupportsIt) {
   const std::set<std::string_view> kOthers = {"pixel", "shutter"}; // flags of the replay and of the scene
-  std::set<std::string_view> names, listed;
-  for (const Setting& row : settings_table()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
+  const auto listed_name = [](const Setting& row) { return row.listed_as.empty() ? row.name : row.listed_as; };
+  std::set<std::string_view> names, listable, listed;
+  for (const Setting& row : settings_table()) {
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+    listable.insert(listed_name(row));
+  }
   for (const IntegratorKind* kind : integrators())
     for (const std::string_view name : kind->settings) {
       listed.insert(name);
-      EXPECT_TRUE(names.contains(name) || kOthers.contains(name)) << kind->name << " lists " << name;
+      EXPECT_TRUE(listable.contains(name) || kOthers.contains(name)) << kind->name << " lists " << name;
     }
   for (const Setting& row : settings_table()) {
-    EXPECT_EQ(row.supported_by != SupportedBy::all, listed.contains(row.name)) << row.name;
+    EXPECT_EQ(row.supported_by != SupportedBy::all, listed.contains(listed_name(row))) << row.name;
     EXPECT_NE(row.offered, 0u) << row.name;
   }
 }
@@ -308,7 +312,7 @@ void expect_refused(const std::string& flags, const std::string& message) {
 
 TEST(Settings, TheDefaultIntegratorIsAutoUnlessAFlagSpeaksAgainstIt) {
   const auto taken = [](const char* flags) {
-    return parsed(std::string("wavepath render scene.gltf ") + flags).integrator->name;
+    return name_of(parsed(std::string("wavepath render scene.gltf ") + flags).integrator);
   };
   for (const char* flags :
        {"", "--spp 4096 --max-depth 3", "--lights tree", "--samples 0:4 --spp 8", "--denoise", "--aov albedo,direct",

@@ -82,7 +82,7 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
   RenderPlan by_compute = settings;
   by_compute.traversal = kTraversalCompute;
   for (const IntegratorKind* kind : integrators()) {
-    if (kind->candidates || !kind->start_kernels) continue; // the first stands for others
+    if (!kind->start_kernels) continue;
     Compilation compilation(device, kernels);
     RenderPlan variant = by_compute;
     variant.integrator = kind;

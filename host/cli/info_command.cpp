@@ -90,8 +90,8 @@ Json to_json(const std::vector<MemoryItem>& items) {
 
 // What a render takes besides the scene: each of the ways that --integrator auto may take.
 Json describe_renders(const RenderPlan& settings, const ScenePlan& planned, const PackedScene& packed) {
-  std::vector<RenderPlan> candidates = {settings};
-  if (settings.integrator->candidates) candidates = settings.integrator->candidates(settings, packed);
+  const std::vector<RenderPlan> candidates =
+      settings.integrator.is_auto() ? candidates_of(settings, packed) : std::vector{settings};
   Json renders = Json::array();
   for (const RenderPlan& candidate : candidates) {
     const MemoryPlan plan = plan_memory(candidate, planned, packed.features);

@@ -8,7 +8,7 @@
 
 namespace wavepath {
 
-// "plan: sky-samples 7: pilots: a given error costs 0.45x the work of one sky sample".
+// "plan: reuse on: pilots: a given error costs 0.45x the work without".
 std::string plan_line(const Decision& decision);
 
 // A line for each decision, in columns, with what its pilots take of the render.

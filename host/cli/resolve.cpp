@@ -23,7 +23,7 @@ namespace {
 
 [[noreturn]] void refuse_unsupported(const std::string& flag, const RenderPlan& settings,
                                      const std::string& supported_by) {
-  throw UsageError(flag, fmt::format("is not supported by --integrator {}", settings.integrator->name),
+  throw UsageError(flag, fmt::format("is not supported by --integrator {}", name_of(settings.integrator)),
                    fmt::format("use --integrator {}, or leave it out", supported_by));
 }
 
@@ -127,26 +127,28 @@ void resolve_samples(RenderRequest& request) {
 
 void resolve_integrator(RenderRequest& request) {
   RenderPlan& settings = request.settings;
-  const IntegratorKind& automatic = *find_integrator("auto");
+  RenderPlan automatic = settings;
+  automatic.integrator = IntegratorSetting::automatic();
   const bool lone_part = is_given(request, "samples") && settings.sample_total == 0;
   const bool refuses_flag = std::ranges::any_of(settings_table(), [&](const Setting& row) {
     return row.supported_by == SupportedBy::listed_else_refused && !is_supported(row, automatic) &&
            !is_default(row, settings);
   });
   const bool refuses_aov = std::ranges::any_of(settings.aovs, [&](const std::string& aov) {
-    return !aov_supporters_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
+    return !aov_supporters_text(aov).empty() && std::ranges::count(automatic.integrator->aovs, aov) == 0;
   });
-  const bool replays = request.pixel.has_value() && !supports(automatic, "pixel");
+  const bool replays = request.pixel.has_value() && !supports(automatic.integrator, "pixel");
   const bool asks_for_path = settings.reuse == kReuseOn; // which other integrators would drop
   if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays || asks_for_path) return;
-  settings.integrator = &automatic;
+  settings.integrator = automatic.integrator;
 }
 
 void check_integrator(const RenderRequest& request) {
   const RenderPlan& settings = request.settings;
   const IntegratorKind& kind = *settings.integrator;
   for (const Setting& row : settings_table())
-    if (row.supported_by == SupportedBy::listed_else_refused && !is_supported(row, kind) && !is_default(row, settings))
+    if (row.supported_by == SupportedBy::listed_else_refused && !is_supported(row, settings) &&
+        !is_default(row, settings))
       refuse_unsupported(fmt::format("--{}", row.name), settings, supporters_text(row.name));
   if (kind.check) kind.check(settings);
   for (const std::string& aov : settings.aovs)
@@ -155,11 +157,13 @@ void check_integrator(const RenderRequest& request) {
       refuse_unsupported("--aov " + aov, settings, supported_by);
   for (const std::string_view aov : kind.lacks_aovs)
     if (std::ranges::count(settings.aovs, aov) > 0)
-      throw UsageError(fmt::format("--aov {}", aov), fmt::format("cannot be told apart by --integrator {}", kind.name),
+      throw UsageError(fmt::format("--aov {}", aov),
+                       fmt::format("cannot be told apart by --integrator {}", name_of(settings.integrator)),
                        "leave it out, or use --integrator path");
-  if (request.pixel && !supports(kind, "pixel")) refuse_unsupported("--pixel", settings, supporters_text("pixel"));
+  if (request.pixel && !supports(settings.integrator, "pixel"))
+    refuse_unsupported("--pixel", settings, supporters_text("pixel"));
   if (request.strict && kind.is_biased(settings))
-    throw UsageError(fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
+    throw UsageError(fmt::format("--integrator {}", name_of(settings.integrator)), "is biased, which --strict refuses",
                      settings.denoise      ? "leave out --denoise"
                      : uses_mips(settings) ? "use --integrator path, or --max-depth 1 --mips off for direct light"
                                            : "use --integrator path, or --max-depth 1 for direct light");
@@ -176,7 +180,8 @@ void check_integrator(const RenderRequest& request) {
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
   if (settings.denoise != kDenoiseOidn) return;
   if (!denoises_film(settings))
-    throw UsageError("--denoise oidn", fmt::format("cannot filter the frames of --integrator {}", kind.name),
+    throw UsageError("--denoise oidn",
+                     fmt::format("cannot filter the frames of --integrator {}", name_of(settings.integrator)),
                      "use --denoise alone, or --integrator path");
   require_oidn();
 }

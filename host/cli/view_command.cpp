@@ -23,6 +23,7 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/render/workspace/light_training.h"
 #include "host/scene/pack/features.h"
@@ -109,10 +110,11 @@ public:
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
     expected.kernels.mips = true; // for frames in motion
     const DeviceInfo& device = open_.device->info();
-    // Lights are packed even for --direct bsdf, because the panel can change that setting.
-    packing_ = {.quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
+    packing_ = {.direct = direct_of(settings),
+                .quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
                 .eye = request.render.origin.value_or(view.position),
                 .near = {view.position},
+                .lights = settings.lights,
                 .mips = wants_mips(expected),
                 .samplers = sampler_limits(settings, device)};
     MemoryCheck(request.scene.path, plan(scene_, packing_), expected_features(scene_, packing_.direct), device)
@@ -126,6 +128,7 @@ public:
     // A window begins anew whenever the camera moves: no training unless asked for.
     if (shown.lights == gpu::kLightsAuto)
       shown.lights = packed_.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
+    packing_.lights = shown.lights; // which packs the same
     shown.moving = packed_.moves();
     progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }
@@ -151,6 +154,7 @@ public:
     window.save = [this](const std::string& path, const Picture& picture, const DisplayOptions& display) {
       save(path, picture, display);
     };
+    window.pack_for = [this](const RenderPlan& settings) { pack_for(settings); };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);
     open_.device->pipeline_cache().save();
@@ -208,11 +212,9 @@ private:
     const std::vector<Material> materials = scene_.materials; // of which that of the ground follows the environment
     const std::vector<PunctualLight> lights = scene_.lights;
     const bool room_lamp = open_.loaded.room_lamp;
-    const View view = progressive_->view();
-    PackedScene other;
     try {
       relight(wanted, open_.loaded);
-      other = pack(scene_, packing_);
+      show(pack(scene_, packing_));
     } catch (...) {
       scene_.environment = before;
       scene_.materials = materials;
@@ -220,19 +222,30 @@ private:
       open_.loaded.room_lamp = room_lamp;
       throw;
     }
-    std::swap(packed_, other);
+    environment_ = choice;
+  }
+
+  // Lights as `render` packs them for these settings, so that the copied line renders the same bits.
+  void pack_for(const RenderPlan& settings) {
+    Packing wanted = packing_;
+    wanted.direct = direct_of(settings);
+    wanted.lights = settings.lights;
+    if (wanted.direct == packing_.direct && wanted.lights == packing_.lights) return;
+    show(pack(scene_, wanted));
+    packing_ = wanted;
+  }
+
+  // Hands the render another scene. One that does not fit on the device leaves the old one, which does.
+  void show(PackedScene scene) {
+    const View view = progressive_->view();
+    std::swap(packed_, scene);
     try {
       progressive_->set_scene(packed_, view);
-    } catch (...) { // the new scene does not fit on the device; the old one does
-      std::swap(packed_, other);
-      scene_.environment = before;
-      scene_.materials = materials;
-      scene_.lights = lights;
-      open_.loaded.room_lamp = room_lamp;
+    } catch (...) {
+      std::swap(packed_, scene);
       progressive_->set_scene(packed_, view);
       throw;
     }
-    environment_ = choice;
   }
 
   const ViewCommandRequest& request_;

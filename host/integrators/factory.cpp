@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 
-#include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
@@ -12,7 +11,7 @@
 namespace wavepath {
 
 std::span<const IntegratorKind* const> integrators() {
-  static const std::array kAll = {&kPath, &automatic_integrator(), &kBidirectional, &kHybrid, &kAo, &kWhitted};
+  static const std::array kAll = {&kPath, &kBidirectional, &kHybrid, &kAo, &kWhitted};
   return kAll;
 }
 
@@ -21,10 +20,6 @@ const IntegratorKind& default_integrator() { return kPath; }
 const IntegratorKind* find_integrator(std::string_view name) {
   const auto found = std::ranges::find(integrators(), name, &IntegratorKind::name);
   return found == integrators().end() ? nullptr : *found;
-}
-
-bool supports(const IntegratorKind& kind, std::string_view setting) {
-  return std::ranges::find(kind.settings, setting) != kind.settings.end();
 }
 
 } // namespace wavepath

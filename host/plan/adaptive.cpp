@@ -2,6 +2,7 @@
 
 #include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/settings_table.h"
 #include "host/render/workspace/levels.h"
 
 namespace wavepath {
@@ -25,6 +26,24 @@ bool may_pay_adaptive(const RenderPlan& settings) {
   return settings.adaptive == kAdaptiveAuto && supports(*settings.integrator, "adaptive") && adapts &&
          pixels >= kFewestPixels && pixels <= kMostPixels && may_make_pilots(settings, true) &&
          expected_paths(settings, true) >= kWholeOverPilot * adaptive_pilot_paths(settings);
+}
+
+std::optional<Decision> decide_adaptive(RenderPlan& settings, bool stands_alone, bool cpu) {
+  settings.looks_for_noise = false;
+  if (!is_auto(setting_named("adaptive"), settings)) return std::nullopt;
+  Decision decision{.what = "adaptive", .taken = "off"};
+  if (!stands_alone) {
+    decision.why = "rule: parts of a render share their samples out evenly";
+  } else if (!may_pay_adaptive(settings)) {
+    decision.why = "no pilot: the render is short, or its picture small or very large";
+  } else {
+    decision.taken = "auto";
+    decision.why = "a pilot of noise decides when the render begins";
+    decision.fraction = adaptive_pilot_paths(settings) / expected_paths(settings, cpu);
+    settings.looks_for_noise = true;
+  }
+  if (!settings.looks_for_noise) settings.adaptive = kAdaptiveOff;
+  return decision;
 }
 
 } // namespace wavepath

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -189,19 +190,26 @@ std::vector<std::string> exceptions_of(const IntegratorChoice& choice) {
 std::string candidate_text(const RenderPlan& settings) {
   std::string text(settings.integrator->name);
   for (const Setting& row : settings_table())
-    if (row.decides == Decides::picture && row.supported_by != SupportedBy::all &&
-        is_supported(row, *settings.integrator) && !is_default(row, settings))
+    if (row.decides == Decides::picture && row.supported_by != SupportedBy::all && is_supported(row, settings) &&
+        !is_default(row, settings))
       text += " " + flag_text(row, settings);
   return text;
 }
 
+std::vector<RenderPlan> candidates_of(const RenderPlan& settings, const PackedScene& scene) {
+  std::vector<RenderPlan> all;
+  for (const IntegratorKind* kind : integrators())
+    if (kind->candidates) std::ranges::copy(kind->candidates(settings, scene), std::back_inserter(all));
+  return all;
+}
+
 IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
                                    const std::function<bool(const RenderPlan&)>& fits) {
-  if (!settings.integrator->candidates) return {.settings = settings};
+  if (!settings.integrator.is_auto()) return {.settings = settings};
   const Clock::time_point start = Clock::now();
   const double rendered_before = pilots.render_seconds();
   const PackedScene& scene = pilots.scene();
-  const std::vector<RenderPlan> all = settings.integrator->candidates(settings, scene);
+  const std::vector<RenderPlan> all = candidates_of(settings, scene);
   const bool cpu = pilots.is_cpu();
   IntegratorChoice choice{.settings = all.front()};
   const double length = length_of(settings, cpu);

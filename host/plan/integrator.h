@@ -11,7 +11,7 @@
 namespace wavepath {
 
 struct IntegratorChoice {
-  RenderPlan settings;                // settings of the candidate taken; never those of `auto`
+  RenderPlan settings;                // settings of the candidate taken; the integrator is never `auto`
   std::vector<Trial> trials;          // empty if no pilot was made
   std::vector<std::string> too_large; // flags of candidates that were skipped because they would not fit into memory
   std::vector<std::string> refused;   // flags of candidates that the device cannot run
@@ -25,8 +25,10 @@ struct IntegratorChoice {
   double fraction = 0.0;       // ratio of the pilots' paths to the render's
 };
 
-// Returns `settings` unchanged, unless their integrator stands for several candidates (IntegratorKind::candidates).
-// Then:
+// Candidates of --integrator auto, by IntegratorKind::candidates. The first one is taken if no pilot is made.
+std::vector<RenderPlan> candidates_of(const RenderPlan& settings, const PackedScene& scene);
+
+// Returns `settings` unchanged, unless their integrator is `auto`. Then:
 //
 // 1. A render of less than 20 pilots of each, or than a second, takes the first candidate without a pilot; or the one
 //    with light paths, if few rays on the host find lamps hidden.

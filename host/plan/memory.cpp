@@ -8,9 +8,9 @@
 #include "host/picture/filter/denoise.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/light_samples.h"
-#include "host/render/workspace/kernel_compiler.h"
+#include "host/render/workspace/light_training.h"
 #include "host/render/workspace/workspace.h"
 
 namespace wavepath {
@@ -40,16 +40,14 @@ MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::
   FilmShape without_splats = shape;
   without_splats.splats = false;
   const std::uint64_t film = without_splats.bytes();
-  const bool trains_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightCells) != 0;
-  const bool has_parts = scene.environment_bytes > 0 || most_sky_samples_of(settings, features) > 1;
-  const bool trains_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  const TrainingScene training(scene, features);
   std::vector<MemoryItem> items = {
       {"film", film, MemoryLocation::both},
       {"film of splats", shape.bytes() - film, MemoryLocation::both},
       {"order of samples", is_adaptive(settings) ? shape.entries() * sizeof(std::uint32_t) : 0, MemoryLocation::both},
       {"frames", pixels * kind.bytes_per_pixel(settings)},
-      {"learned lights", trains_lights ? kind.light_training_bytes : 0},
-      {"learned sky", trains_sky ? kind.sky_training_bytes : 0},
+      {"learned lights", trains_lights(training, settings) ? kind.light_training_bytes : 0},
+      {"learned sky", trains_sky(training, with_most_sky(settings, features)) ? kind.sky_training_bytes : 0},
       {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryLocation::host},
       {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryLocation::host}};
   if (kind.items)

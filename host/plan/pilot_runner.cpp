@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "host/gpu/device.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
@@ -12,6 +14,15 @@ namespace wavepath {
 bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu) {
   return may_make_pilots(render, cpu) &&
          expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
+}
+
+Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu) {
+  Decision decision{.what = row.decides, .taken = "auto"};
+  decision.pilot = PilotRunner::picture_of(row, render);
+  decision.fraction = PilotRunner::paths_of_all(row, render) / expected_paths(render, cpu);
+  decision.why = fmt::format("pilots of {}x{} pixels, {} samples, decide", decision.pilot.width, decision.pilot.height,
+                             row.samples);
+  return decision;
 }
 
 PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& view, KernelCompiler& kernels,

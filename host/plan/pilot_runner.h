@@ -31,6 +31,9 @@ struct PilotRender {
 // all pictures of the row. `cpu`: the device is a CPU.
 bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu);
 
+// What the pilots of a row would decide, before they are made.
+Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu);
+
 class PilotRunner {
 public:
   // Keeps references to all arguments, which must outlive this object. `shared`: receives the uploaded scene.

@@ -1,7 +1,6 @@
 #include "host/plan/record.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -14,10 +13,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Settings that pilots decide, or that come with what they decide.
-constexpr std::array<std::string_view, 6> kPlanned = {"integrator", "sky-samples", "reuse",
-                                                      "guide",      "adaptive",    "techniques"};
 constexpr std::string_view kTrainingPathsName = "training-paths", kGuideIterationsName = "guide-iterations";
+
+bool is_planned(std::string_view name) {
+  return std::ranges::any_of(settings_table(), [&](const Setting& row) { return row.planned && row.name == name; });
+}
 
 template <class Number>
 std::optional<Number> number_from(const std::string& text) {
@@ -38,10 +38,10 @@ void complete(std::vector<Decision>& decisions, const RenderPlan& settings, bool
     if (std::ranges::count(decisions, what, &Decision::what) == 0)
       decisions.push_back({.what = what, .taken = std::move(taken), .why = why});
   };
-  for (const std::string_view name : kPlanned) {
-    const Setting& row = setting_named(name);
-    const std::string text = text_of(row, settings);
-    if (is_supported(row, *settings.integrator) && !text.empty()) add(name, text, "as asked, or with another decision");
+  for (const Setting& row : settings_table()) {
+    if (!row.planned || !is_supported(row, settings)) continue;
+    if (const std::string text = text_of(row, settings); !text.empty())
+      add(row.name, text, "as asked, or with another decision");
   }
   if (trains || settings.guide)
     add(kTrainingPathsName, fmt::format("{}", settings.training.paths),
@@ -90,7 +90,7 @@ PlanRecord record_from(const Json& decisions) {
       record.training_paths = number_from<std::uint64_t>(taken);
     else if (what == kGuideIterationsName)
       record.guide_iterations = number_from<std::uint32_t>(taken);
-    else if (std::ranges::count(kPlanned, what) > 0)
+    else if (is_planned(what))
       record.values.emplace_back(what, taken);
   }
   return record;
@@ -99,7 +99,7 @@ PlanRecord record_from(const Json& decisions) {
 void apply(const PlanRecord& record, RenderPlan& settings) {
   for (const auto& [name, value] : record.values) {
     const Setting& row = setting_named(name);
-    const bool open = name == "integrator" ? settings.integrator->candidates != nullptr : is_default(row, settings);
+    const bool open = name == "integrator" ? settings.integrator.is_auto() : is_default(row, settings);
     if (open) read_setting(row, value, settings);
   }
   if (record.training_paths) settings.training.paths = *record.training_paths;

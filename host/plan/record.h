@@ -14,8 +14,8 @@
 
 namespace wavepath {
 
-// Values, spelled as on the command line, that were decided by pilots or by the length of the render. Decisions by
-// rules from the scene alone are not recorded, since they repeat by themselves.
+// Values, spelled as on the command line, that pilots, rules or the length of the render decided. The choice of lights
+// is not recorded, since it follows from how the scene was packed.
 struct PlanRecord {
   std::vector<std::pair<std::string, std::string>> values; // pairs of setting name and value
   std::optional<std::uint64_t> training_paths;             // Training::paths

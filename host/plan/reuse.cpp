@@ -5,6 +5,7 @@
 #include "host/base/clock.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/path_reuse.h"
+#include "host/render/settings/settings_table.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
@@ -21,6 +22,23 @@ RenderPlan reuse_pilot_of(const RenderPlan& settings, std::uint32_t reuse) {
   pilot.quad_scale = static_cast<double>(pilot.width) / settings.width;
   pilot.kernels.reuse = BearsReuse::anywhere;
   return pilot;
+}
+
+Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
+  Decision decision{.what = "reuse",
+                    .taken = reuses_paths(settings) ? "on" : "off",
+                    .cost = choice.cost,
+                    .lo = choice.cost,
+                    .hi = choice.cost,
+                    .seconds = choice.seconds,
+                    .render_seconds = choice.render_seconds,
+                    .fraction = choice.fraction,
+                    .pilot = choice.pilot,
+                    .is_told = choice.pays};
+  decision.why = choice.tried ? fmt::format("pilots: a given error costs {:.2g}x the work without", choice.cost)
+                 : may_reuse_paths(settings) ? "no pilot: the render is short"
+                                             : "these settings trace paths that neighbours cannot share";
+  return decision;
 }
 
 } // namespace
@@ -57,21 +75,19 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   return choice;
 }
 
-Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
-  Decision decision{.what = "reuse",
-                    .taken = reuses_paths(settings) ? "on" : "off",
-                    .cost = choice.cost,
-                    .lo = choice.cost,
-                    .hi = choice.cost,
-                    .seconds = choice.seconds,
-                    .render_seconds = choice.render_seconds,
-                    .fraction = choice.fraction,
-                    .pilot = choice.pilot,
-                    .is_told = choice.pays};
-  decision.why = choice.tried ? fmt::format("pilots: a given error costs {:.2g}x the work without", choice.cost)
-                 : may_reuse_paths(settings) ? "no pilot: the render is short"
-                                             : "these settings trace paths that neighbours cannot share";
-  return decision;
+std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+  if (!is_auto(setting_named(kReusePilot.decides), settings)) return std::nullopt;
+  ReuseChoice choice;
+  if (pilots) {
+    choice = choose_reuse(*pilots, settings);
+    settings.kernels.reuse = choice.kernels_bear;
+  } else {
+    RenderPlan trying = settings;
+    trying.kernels.reuse = where_to_try_reuse(settings, cpu);
+    if (tries_reuse(trying, scene.features)) return to_be_tried(kReusePilot, settings, cpu);
+  }
+  settings.reuse = choice.pays ? kReuseOn : kReuseOff;
+  return decision_of(choice, settings);
 }
 
 } // namespace wavepath

@@ -1,6 +1,8 @@
 // --reuse auto: decides whether neighbouring pixels reuse each other's paths.
 #pragma once
 
+#include <optional>
+
 #include "host/plan/decision.h"
 #include "host/plan/pilot_runner.h"
 
@@ -27,7 +29,7 @@ BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu);
 // light, metal or glass. Work is counted, never timed.
 ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings);
 
-// The entry for Plan::decisions.
-Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings);
+// Replaces `auto` by on or off. Without pilots it stays where some could be made. No decision if a value was given.
+std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, bool cpu, PilotRunner* pilots);
 
 } // namespace wavepath

@@ -7,8 +7,9 @@
 
 #include "host/base/clock.h"
 #include "host/render/pilot_work.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/light_samples.h"
+#include "host/render/settings/settings_table.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/packed_scene.h"
 
@@ -23,7 +24,7 @@ RenderPlan sky_pilot_of(const RenderPlan& settings, std::uint32_t sky_samples) {
   RenderPlan pilot = PilotRunner::settings_of(kSkyPilot, settings);
   pilot.guide = false;
   pilot.sky_samples = sky_samples;
-  pilot.kernels.sky_samples = true;
+  pilot.kernels.shared_sky = true;
   pilot.training.one_colour = false; // training would take longer than the pilot
   return pilot;
 }
@@ -32,6 +33,27 @@ RenderPlan sky_pilot_of(const RenderPlan& settings, std::uint32_t sky_samples) {
 struct Measured {
   double squared_error, work;
 };
+
+Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
+  Decision decision{.what = "sky-samples",
+                    .taken = fmt::format("{}", std::max(settings.sky_samples, 1u)),
+                    .cost = choice.cost,
+                    .lo = choice.cost,
+                    .hi = choice.cost,
+                    .seconds = choice.seconds,
+                    .render_seconds = choice.render_seconds,
+                    .fraction = choice.fraction,
+                    .pilot = choice.pilot,
+                    .is_told = choice.samples > 1};
+  if (choice.samples == 0)
+    decision.why = "no pilot: the render is short, or no path could share a sky of one colour";
+  else if (choice.samples == 1)
+    decision.why = "pilots: more cost a given error more work";
+  else
+    decision.why = fmt::format("pilots: a given error costs {:.2g}x the work of one sky sample{}", choice.cost,
+                               choice.trains ? "; directions are learned, which costs less" : "");
+  return decision;
+}
 
 } // namespace
 
@@ -58,7 +80,7 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   // squared_error = rest + sky / n, work = paths + n * shadow_ray
   const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
   const double shadow_ray = (more.work - one.work) / (kTried - 1.0), paths = one.work - shadow_ray;
-  const std::uint32_t most = sky_samples_that_fit(settings, features);
+  const std::uint32_t most = direct_sampling(settings, features).sky_that_fits();
   for (std::uint32_t n = 2; n <= most; ++n) {
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kSkyPilot.worthwhile)) choice.samples = n, choice.cost = cost;
@@ -73,25 +95,23 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   return choice;
 }
 
-Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
-  Decision decision{.what = "sky-samples",
-                    .taken = fmt::format("{}", std::max(settings.sky_samples, 1u)),
-                    .cost = choice.cost,
-                    .lo = choice.cost,
-                    .hi = choice.cost,
-                    .seconds = choice.seconds,
-                    .render_seconds = choice.render_seconds,
-                    .fraction = choice.fraction,
-                    .pilot = choice.pilot,
-                    .is_told = choice.samples > 1};
-  if (choice.samples == 0)
-    decision.why = "no pilot: the render is short, or no path could share a sky of one colour";
-  else if (choice.samples == 1)
-    decision.why = "pilots: more cost a given error more work";
-  else
-    decision.why = fmt::format("pilots: a given error costs {:.2g}x the work of one sky sample{}", choice.cost,
-                               choice.trains ? "; directions are learned, which costs less" : "");
-  return decision;
+std::uint32_t learned_sky_samples(const RenderPlan& settings, gpu::Feature scene) {
+  constexpr std::uint32_t kBest = 7;
+  return std::min(kBest, direct_sampling(settings, scene).sky_that_fits());
+}
+
+std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, bool cpu,
+                                           PilotRunner* pilots) {
+  if (!is_auto(setting_named(kSkyPilot.decides), settings)) return std::nullopt;
+  SkyChoice choice;
+  if (pilots) {
+    choice = choose_sky_samples(*pilots, settings);
+    settings.kernels.shared_sky = choice.keeps_kernels;
+  } else if (may_try_sky(settings, cpu) && may_sample_sky(settings, scene.features)) {
+    return to_be_tried(kSkyPilot, settings, cpu);
+  }
+  if (choice.samples > 1) settings.sky_samples = choice.samples; // 0 is 1 as well
+  return decision_of(choice, settings);
 }
 
 } // namespace wavepath

@@ -1,6 +1,8 @@
 // --sky-samples auto: decides in how many directions a vertex looks for a sky of one colour.
 #pragma once
 
+#include <optional>
+
 #include "host/plan/decision.h"
 #include "host/plan/pilot_runner.h"
 
@@ -16,13 +18,13 @@ struct SkyChoice {
   double render_seconds = 0.0; // part of `seconds` spent rendering
   PilotPicture pilot;
   double fraction = 0.0; // predicted ratio of the pilots' paths to the render's
-  // True if the render uses the kernels of the pilots (KernelCapacity::sky_samples). They take 1 % more time
+  // True if the render uses the kernels of the pilots (KernelCapacity::shared_sky). They take 1 % more time
   // (StanfordDragon with one sky sample, llvmpipe), which is less than compiling others.
   bool keeps_kernels = false;
 };
 
 // True if the render is long enough for pilots, whatever the scene, so that compiling kernels for them can begin before
-// the scene is known (KernelCapacity::sky_samples).
+// the scene is known (KernelCapacity::shared_sky).
 bool may_try_sky(const RenderPlan& settings, bool cpu);
 
 // Renders one pilot with one direction a vertex and one with four, and chooses the number with the least squared error
@@ -34,7 +36,13 @@ bool may_try_sky(const RenderPlan& settings, bool cpu);
 // them.
 SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings);
 
-// The entry for Plan::decisions.
-Decision decision_of(const SkyChoice& choice, const RenderPlan& settings);
+// Number of directions where several pay and they are trained: 7, if they fit. 5 take 1.15x the squared error times
+// seconds in Sponza, 8 no less than 7, and 1.04x that of 5 in HotelRoom (benchmarks/results/NOTES.md).
+std::uint32_t learned_sky_samples(const RenderPlan& settings, gpu::Feature scene);
+
+// Replaces `auto` by a number where several pay. No decision if a number was given. `pilots`: null if none are to be
+// made.
+std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, bool cpu,
+                                           PilotRunner* pilots);
 
 } // namespace wavepath

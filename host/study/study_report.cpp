@@ -49,10 +49,9 @@ std::string frame_flags(const StudyRecord& record) {
 std::string told_flags(const RenderPlan& settings, const Configuration* varied) {
   const RenderPlan told = as_told(settings);
   std::string flags;
-  for (const char* name : {"integrator", "sky-samples", "reuse", "adaptive"}) {
-    const Setting& row = setting_named(name);
-    if (is_supported(row, *told.integrator) && !(varied && !varied->value_of(name).empty()))
-      flags += " " + flag_text(row, told);
+  for (const Setting& row : settings_table()) {
+    if (!row.planned || !is_supported(row, told) || (varied && !varied->value_of(row.name).empty())) continue;
+    if (const std::string flag = flag_text(row, told); !flag.empty() && !is_auto(row, told)) flags += " " + flag;
   }
   return flags;
 }

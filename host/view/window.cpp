@@ -314,8 +314,14 @@ void Viewer::move_camera() {
 
 void Viewer::take_settings() {
   const RenderPlan before = progressive_.settings();
+  const auto pack_for = [&](const RenderPlan& settings) {
+    if (!request_.pack_for || (settings.lights == before.lights && settings.direct == before.direct)) return;
+    comparison_.reset(); // the device may not hold two scenes at once
+    request_.pack_for(settings);
+  };
   judged_spp_ = 0;
   try {
+    pack_for(panel_.settings);
     progressive_.set_settings(panel_.settings, camera_.view());
     if (comparison_ && compares()) comparison_->follow(camera_.view());
     panel_.message.clear();
@@ -323,6 +329,7 @@ void Viewer::take_settings() {
     panel_.message = error.what();
     panel_.settings = before;
     camera_.resize(before.width, before.height);
+    if (request_.pack_for) request_.pack_for(before);
     progressive_.set_settings(before, camera_.view());
     if (comparison_) comparison_->follow(camera_.view());
   }

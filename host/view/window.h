@@ -35,6 +35,8 @@ struct WindowRequest {
   std::function<std::vector<std::string>(const RenderPlan&)> notes;
   // Writes a picture of the render as it is now. Throws Error.
   std::function<void(const std::string& path, const Picture&, const DisplayOptions&)> save;
+  // Hands `progressive` the scene as it is to be packed for these settings. Throws Error; then all is as it was.
+  std::function<void(const RenderPlan&)> pack_for;
   // Hands `progressive` another environment. Throws Error; then everything is as it was. Empty: it stays as it is.
   std::function<void(const EnvironmentChoice&)> set_environment;
 };

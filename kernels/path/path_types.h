@@ -66,11 +66,10 @@ GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
   return bounce < 8u && (first >> bounce) > 1u ? first >> bounce : 1u;
 }
 
-// Number of directions in which a vertex looks for a sky of one colour, the path's own included. `first`: where the
-// path first scatters. It is the same at every vertex; but with trained directions the further ones decrease as light
-// samples do.
-GPU_FUNCTION uint sky_samples_at(uint first, bool learned, uint bounce) {
-  return learned && first > 1u ? 1u + light_samples_at(first - 1u, bounce) : first;
+// Number of shadow rays of a vertex towards a sky of one colour; the path's own ray does not count. `first`: where the
+// path first scatters. It is the same at every vertex; but with trained directions it decreases as light samples do.
+GPU_FUNCTION uint sky_rays_at(uint first, bool learned, uint bounce) {
+  return learned && first > 0u ? light_samples_at(first, bounce) : first;
 }
 
 // Queues of a bounce b. Every stage reads what those before it have appended; advance turns counts into sizes of the

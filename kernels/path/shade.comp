@@ -154,7 +154,7 @@ bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, o
   if (!guided_sample(v, lobes, guide, sample_2d(sky_sampler, dimension + 1u).x, sample_2d(sky_sampler, dimension), s,
                      wi, bsdf_pdf))
     return false;
-  weight = s.weight / float(frame.sky_samples);
+  weight = s.weight / float(sky_directions());
   return s.pdf >= 0.0 && sides_agree(v, wi); // a delta lobe is the path's own
 }
 

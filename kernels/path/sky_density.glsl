@@ -10,7 +10,7 @@
 #define USES_LEARNED_SKY (SAMPLES_SKY && uses_learned_sky())
 
 // Directions in which a vertex looks for the sky, besides the path's own.
-uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, USES_LEARNED_SKY, bounce) - 1u; }
+uint further_directions(uint bounce) { return sky_rays_at(sky_directions() - 1u, USES_LEARNED_SKY, bounce); }
 
 // The density per solid angle of all trained directions together, given how many times more probable the part of one
 // has become.
@@ -20,7 +20,7 @@ float learned_sky_pdf(uint bounce, float part_ratio) {
 
 // The weight of the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was trained.
 float sky_weight(float bsdf_pdf) {
-  return SAMPLES_SKY && !USES_LEARNED_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(frame.sky_samples) : 1.0;
+  return SAMPLES_SKY && !USES_LEARNED_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(sky_directions()) : 1.0;
 }
 
 #endif

@@ -14,8 +14,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "lights", "techniques", "aperture",
-                                                       "focus",      "blades", "denoise"};
+constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "lights", "techniques", "lens", "denoise"};
+constexpr std::array<std::string_view, 1> kNotByAuto = {"techniques"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
@@ -51,6 +51,17 @@ std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   if (!asks_for_photons(settings))
     omitted.push_back({"photons, their map and its kernels", "--techniques or --max-depth leaves out merging"});
   return omitted;
+}
+
+// Where nothing asks for what it leaves out. Without merging: what is taken without being asked for is not biased.
+std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene& scene) {
+  if (settings.adaptive == kAdaptiveOn || !settings.aovs.empty() || settings.moving ||
+      settings.terminator != gpu::kTerminatorFacets || scene.features & kBidirectionalLacks)
+    return {};
+  RenderPlan unbiased = settings;
+  unbiased.integrator = &kBidirectional;
+  unbiased.techniques &= ~gpu::kTechniqueMerge;
+  return {unbiased};
 }
 
 // 1.0 to 1.95 times what path tracing takes for as many rays (eleven scenes of benchmarks/light_table.py; llvmpipe).
@@ -100,6 +111,8 @@ constinit const IntegratorKind kBidirectional = {
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<Bidirectional>(workspace, kernels);
     },
+    .candidates = candidates,
+    .not_by_auto = kNotByAuto,
     .work = work,
 };
 

@@ -12,27 +12,23 @@
 #include "host/integrators/path/path_tracer.h"
 #include "host/integrators/path/sky_histograms.h"
 #include "host/render/render.h"
-#include "host/render/settings/light_samples.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/path_reuse.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 15> kSettings = {
-    "hemisphere", "direct", "lights",   "light-samples", "sky-samples", "reuse",   "adaptive",  "guide",
-    "denoise",    "pixel",  "aperture", "focus",         "blades",      "shutter", "terminator"};
+constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct",  "lights",    "path sampling",
+                                                        "adaptive",   "guide",   "lens",      "denoise",
+                                                        "pixel",      "shutter", "terminator"};
+constexpr std::array<std::string_view, 2> kNotByAuto = {"guide", "pixel"}; // it tries guiding; and replays no path
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderPlan& settings) {
-  const KernelConfig specialized = kernel_config(features, kExpectedStack, settings);
-  kernels.start(path_need(kPathProgram, kAllPathStages, specialized));
+  kernels.start(path_need(kPathProgram, kAllPathStages, kernel_config(features, kExpectedStack, settings)));
   if (!generic_first(device)) return;
-  KernelConfig generic = kernel_config(generic_features(features), kExpectedStack, settings);
-  generic.light_samples = specialized.light_samples; // generic kernels are compiled for this number, too
-  generic.sky = specialized.sky;
-  generic.reuse = specialized.reuse;
-  kernels.start(path_need(kPathProgram, kAllPathStages, generic));
+  kernels.start(path_need(kPathProgram, kAllPathStages, generic_config(features, kExpectedStack, settings)));
 }
 
 void check(const RenderPlan& settings) {
@@ -54,16 +50,14 @@ std::vector<MemoryItem> memory_items(const RenderPlan& settings, const ScenePlan
 
 std::uint64_t slot_bytes(gpu::Feature features, const RenderPlan& settings, std::uint32_t more_capacity) {
   features |= features_of(settings) & gpu::kFeatureAdaptive;
-  const std::uint32_t sky_samples = most_sky_samples_of(settings, features);
-  if (features & gpu::kFeatureEnvironmentMap || sky_samples > 1)
+  const DirectSampling sampling = direct_sampling(with_most_sky(settings, features), features);
+  if (features & gpu::kFeatureEnvironmentMap || sampling.sky > 1)
     features |= features_of(settings) & gpu::kFeatureLearnedSky;
-  return bytes_per_path(features, kCapacityForShadowRays | kCapacityForSortedRays | more_capacity,
-                        shadow_queues(light_samples_of(settings, features), sky_samples));
+  return bytes_per_path(features, kCapacityForShadowRays | kCapacityForSortedRays | more_capacity, sampling.queues());
 }
 
 std::uint64_t bytes_per_slot(gpu::Feature features, const RenderPlan& settings) {
-  const bool reuses = reuses_paths(settings) || tries_reuse(settings, features);
-  return slot_bytes(features, settings, reuses ? kCapacityForReuse : 0);
+  return slot_bytes(features, settings, kernels_reuse_paths(settings, features) ? kCapacityForReuse : 0);
 }
 
 std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderPlan& settings) {
@@ -78,6 +72,14 @@ std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   if (!(features_of(settings) & gpu::kFeatureLearnedSky))
     left_out.push_back({"learned parts of the sky", "--lights or --direct does not ask for them"});
   return left_out;
+}
+
+std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene&) {
+  RenderPlan plain = settings;
+  plain.integrator = &kPath;
+  RenderPlan guided = plain;
+  guided.guide = true;
+  return {plain, guided};
 }
 
 // Work of these rays, in camera rays: shadow rays end at the first hit. Rays of pilots are counted separately.
@@ -121,6 +123,8 @@ constinit const IntegratorKind kPath = {
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<PathTracer>(workspace, kernels);
     },
+    .candidates = candidates,
+    .not_by_auto = kNotByAuto,
     .work = work,
 };
 

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/render/settings/light_samples.h"
 #include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
 #include "kernels/base/error_probes.h"
@@ -142,11 +141,11 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
     const gpu::Queues counts = queues();
-    const std::uint32_t light_samples = gpu::light_samples_at(paths_.config().light_samples, bounce);
     const float pdf = vertex.scattered.bsdf_pdf;
-    if (pdf != arrived.bsdf_pdf) sharing = light_samples; // else the path went straight through a pane, or ends here
+    if (pdf != arrived.bsdf_pdf)
+      sharing = paths_.sampling().light_rays_at(bounce); // else the path went straight through a pane, or ends here
     if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(sharing);
-    for (std::uint32_t i = 0; i < shadow_queues(paths_.config().light_samples, workspace_.frame.sky_samples); ++i) {
+    for (std::uint32_t i = 0; i < paths_.sampling().queues(); ++i) {
       run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + i);
       if (queues().shadow_count[0] > 0) vertex.shadows.push_back(connect(bounce, i, state()));
     }

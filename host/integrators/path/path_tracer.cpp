@@ -90,9 +90,7 @@ void PathTracer::describe(RenderResult& result) const {
 
 std::uint32_t PathTracer::timed_dispatches() const {
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
-  const std::uint32_t light_samples = 4 * paths_.config().light_samples; // upper bound for all bounces
-  const std::uint32_t sky_samples = 2 * bounces * (workspace_.frame.sky_samples - 1);
-  return std::min(2 + bounces * 7 + light_samples + sky_samples, 1024u);
+  return std::min(2 + bounces * 7 + 2 * paths_.sampling().most_rays(bounces), 1024u); // upper bound for all bounces
 }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {

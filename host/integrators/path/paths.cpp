@@ -7,7 +7,6 @@
 #include "host/integrators/path/light_histograms.h"
 #include "host/integrators/path/sky_histograms.h"
 #include "host/render/settings/denoising.h"
-#include "host/render/settings/light_samples.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -100,8 +99,8 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindSortedRays, storage}, {gpu::kBindSortedRayTexels, texels_r32ui}}},
     {"shadow rays",
      [](const BufferDimensions& e) {
-       return e.options & kCapacityForShadowRays ? e.slots * e.light_samples * sizeof(gpu::ShadowRay) : 0;
-     }, // a queue for each light sample of a vertex
+       return e.options & kCapacityForShadowRays ? e.slots * e.shadow_queues * sizeof(gpu::ShadowRay) : 0;
+     },
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
     {"queues",
      [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Queues)}; },
@@ -146,12 +145,12 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 
 gpu::Feature film_features(const RenderPlan& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
 
-std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples) {
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t shadow_queues) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules) {
     const auto of = [&](std::uint64_t slots) {
       return rule.bytes(
-          {.pixels = 0, .slots = slots, .features = features, .options = options, .light_samples = light_samples});
+          {.pixels = 0, .slots = slots, .features = features, .options = options, .shadow_queues = shadow_queues});
     };
     bytes += of(1) - of(0);
   }
@@ -167,18 +166,18 @@ bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32
   const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
   need_ = path_need(kPathProgram, stages,
                     kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
-  workspace_.frame.sky_samples = sky_samples_of(settings, scene.features);
+  sampling_ = direct_sampling(settings, scene.features);
+  workspace_.frame.sky_samples = sampling_.sky;
   if (need_.config.sort != gpu::kSortNone) options |= kCapacityForSortedRays;
   if (stages & stage_bits({kReuse}) && need_.config.reuse != gpu::kReuseNone) options |= kCapacityForReuse;
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
   if (!(options & kStatesAlone) &&
-      (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.kernels.shadow_rays))
+      (workspace_.frame.light_count > 0 || sampling_.sky > 1 || settings.kernels.shadow_rays))
     options |= kCapacityForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
-  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,
-                        shadow_queues(need_.config.light_samples, workspace_.frame.sky_samples)});
+  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options, sampling_.queues()});
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);
@@ -226,11 +225,10 @@ bool Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave
                     bool prepares_extend) const {
   const gpu::Frame& frame = workspace_.frame;
   const bool trains_sky = frame.scene_lobes & static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
-  const std::uint32_t light_samples = kernels.config().light_samples, lights = frame.light_count > 0 ? 1 : 0;
-  const std::uint32_t of_lights = lights * gpu::light_samples_at(light_samples, bounce);
-  const std::uint32_t of_sky = gpu::sky_samples_at(frame.sky_samples, trains_sky, bounce) - 1;
+  const std::uint32_t of_lights = frame.light_count > 0 ? sampling_.light_rays_at(bounce) : 0;
+  const std::uint32_t of_sky = sampling_.sky_rays_at(bounce, trains_sky);
   for (std::uint32_t i = 0; i < of_lights + of_sky; ++i) {
-    const std::uint32_t queue = i < of_lights ? i : light_samples + i - of_lights;
+    const std::uint32_t queue = i < of_lights ? i : sampling_.lights + i - of_lights;
     const bool is_last = i + 1 == of_lights + of_sky;
     advance(commands, kernels, wave, bounce,
             (is_last && prepares_extend ? gpu::kBeforeLastConnect : gpu::kBeforeConnect) + queue);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/render/loop/integrator.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/render/workspace/resources.h"
 #include "host/render/workspace/workspace.h"
@@ -78,6 +79,7 @@ public:
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
   const KernelConfig& config() const { return need_.config; }
+  const DirectSampling& sampling() const { return sampling_; }
   // May return a more specialized set than for the last wave.
   const KernelSet& kernels() { return kernels_.best(need_); }
 
@@ -104,14 +106,15 @@ private:
   Workspace& workspace_;
   KernelCompiler& kernels_;
   KernelNeed need_;
+  DirectSampling sampling_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
 // Kernels of `stages`; `escape` is included only where escaped rays are sorted.
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config);
 
-// Bytes of a path in the shadow-ray queues with the largest number of light samples. A window reserves these, so that
-// its number of paths does not depend on the setting.
+// Bytes of a path in the largest number of queues of shadow rays. A window reserves these, so that its number of paths
+// does not depend on the setting.
 inline constexpr std::uint64_t kMostShadowRayBytes = gpu::kMostLightSamples * sizeof(gpu::ShadowRay);
 
 // Numbers and kinds of all bindings of the path kernels, without buffers.
@@ -123,8 +126,7 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 // kFeature bits of kernels that fill the film: those of the requested AOVs.
 gpu::Feature film_features(const RenderPlan& settings);
 
-// Bytes of state and queues of one path in flight. `options`: as in Paths::change(). `light_samples`: of the path where
-// it first scatters.
-std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples = 1);
+// Bytes of state and queues of one path in flight. `options`: as in Paths::change().
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t shadow_queues = 1);
 
 } // namespace wavepath

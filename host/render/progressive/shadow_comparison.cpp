@@ -18,7 +18,7 @@ bool same_render(const RenderPlan& a, const RenderPlan& b) {
     return false;
   return std::ranges::all_of(settings_table(), [&](const Setting& row) {
     const bool has_effect =
-        is_supported(row, *a.integrator) && (!a.integrator->has_effect || a.integrator->has_effect(a, row.name));
+        is_supported(row, a) && (!a.integrator->has_effect || a.integrator->has_effect(a, row.name));
     return !has_effect || row.decides == Decides::nothing || text_of(row, a) == text_of(row, b);
   });
 }

@@ -100,7 +100,7 @@ Json error_json(const Run& run) {
 
 Json json(const Setting& row, const RenderPlan& settings) {
   const std::string text = text_of(row, settings);
-  if (text.empty() || !is_supported(row, *settings.integrator)) return nullptr;
+  if (text.empty() || !is_supported(row, settings)) return nullptr;
   if (std::holds_alternative<OnOffValue>(row.value) || std::holds_alternative<SwitchValue>(row.value))
     return text == "on";
   if (std::holds_alternative<RadianceValue>(row.value)) return Json::parse("[" + text + "]");

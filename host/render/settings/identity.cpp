@@ -37,7 +37,7 @@ std::vector<Record> records_of(const std::string& identity) {
 std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderPlan& settings) {
   std::string identity = fmt::format("version={};scene={:016x}", WAVEPATH_VERSION, scene_hash);
   for (const Setting& row : settings_table()) {
-    if (row.decides == Decides::nothing || !is_supported(row, *settings.integrator)) continue;
+    if (row.decides == Decides::nothing || !is_supported(row, settings)) continue;
     if (row.identity) {
       if (const std::string text = row.identity(settings); !text.empty())
         identity += fmt::format(";{}={}", row.name, text);

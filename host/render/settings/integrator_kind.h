@@ -35,7 +35,7 @@ struct OmittedStage {
 struct IntegratorKind {
   std::string_view name;    // value of --integrator
   std::string_view summary; // one clause, for --help
-  // Names of the settings that it supports besides those that every integrator supports.
+  // Settings that it supports besides those that every integrator supports: names, or values of Setting::listed_as.
   std::span<const std::string_view> settings{};
   std::span<const std::string_view> aovs{};       // values of --aov that it supports besides the common ones
   std::span<const std::string_view> lacks_aovs{}; // common values of --aov that it does not support
@@ -90,9 +90,11 @@ struct IntegratorKind {
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
 
-  // Candidates of a kind that stands for the best of others (host/plan/integrator.h). The first one is taken if no
-  // pilot is made. Null for all other kinds.
+  // Candidates for --integrator auto (host/plan/integrator.h): none where settings or scene ask for what it leaves out.
+  // The first candidate of the default kind is taken if no pilot is made. Null = auto never tries this kind.
   std::vector<RenderPlan> (*candidates)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
+  // Settings of such a kind that auto does not take, mostly because it decides them.
+  std::span<const std::string_view> not_by_auto{};
   // Work of these rays, for candidates. Unit: one camera ray of `path`. `cpu`: the device is a CPU.
   double (*work)(const RenderPlan& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
@@ -103,7 +105,10 @@ const IntegratorKind& default_integrator();
 // The integrator of that name; null if there is none.
 const IntegratorKind* find_integrator(std::string_view name);
 
-// True if IntegratorKind::settings lists the name.
+// True if IntegratorKind::settings lists the setting, by name or by Setting::listed_as. Defined by the table of
+// settings.
 bool supports(const IntegratorKind& kind, std::string_view setting);
+// Whether it is one of what is asked for: of --integrator auto, one that any of its candidates supports.
+bool supports(const IntegratorSetting& integrator, std::string_view setting);
 
 } // namespace wavepath

@@ -16,4 +16,8 @@ bool tries_reuse(const RenderPlan& settings, gpu::Feature scene) {
   return may_reuse_paths(settings) && settings.kernels.reuse >= (trains ? BearsReuse::anywhere : BearsReuse::untrained);
 }
 
+bool kernels_reuse_paths(const RenderPlan& settings, gpu::Feature scene) {
+  return reuses_paths(settings) || tries_reuse(settings, scene);
+}
+
 } // namespace wavepath

@@ -15,5 +15,7 @@ bool reuses_paths(const RenderPlan& settings);
 // True if kernels for a scene of these kFeature bits must support both modes, since a pilot compares them
 // (KernelCapacity::reuse).
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene);
+// Whether they support it for either reason.
+bool kernels_reuse_paths(const RenderPlan& settings, gpu::Feature scene);
 
 } // namespace wavepath

@@ -31,14 +31,14 @@ struct Training {
   // Paths of light training; 0 = a fixed number, the same in every part of a render (light_trainer.cpp).
   std::uint64_t paths = 0;
   std::uint32_t guide_iterations = kGuideIterations; // of guide training, at most
-  bool one_colour = true;                            // also train directions to a sky of one colour, if sky_samples > 1
-  LightProbabilities found{};                        // result of another render's training, used in place of training
+  bool one_colour = true;     // also train directions to a sky of one colour, if shadow rays look for it
+  LightProbabilities found{}; // result of another render's training, used in place of training
 };
 
 // Features that kernels must support though this render does not use them, since other renders use the same kernels.
 // They do not change the picture.
 struct KernelCapacity {
-  bool sky_samples = false; // any number of sky directions, in scenes where pilots are cheap
+  bool shared_sky = false; // shadow rays to a sky of one colour, any number of them, in scenes where pilots are cheap
   BearsReuse reuse = BearsReuse::nowhere;
   bool shadow_rays = false; // shadow rays, even if no light is sampled
   bool has_probes = false;  // error probes, even if the picture is too small for them

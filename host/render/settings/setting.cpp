@@ -14,7 +14,7 @@ constexpr std::string_view kOffOn[] = {"off", "on"};
 
 std::vector<std::string_view> integrator_names() {
   std::vector<std::string_view> names;
-  for (const IntegratorKind* kind : integrators()) names.push_back(kind->name);
+  for (const IntegratorSetting& value : integrator_values()) names.push_back(name_of(value));
   return names;
 }
 
@@ -49,7 +49,7 @@ void read(const RadianceValue& kind, const FlagValue& value, RenderSettings& set
   settings.*kind.member = glm::vec3(radiance);
 }
 void read(const IntegratorValue&, const FlagValue& value, RenderSettings& settings) {
-  settings.integrator = integrators()[value.choice(integrator_names())];
+  settings.integrator = integrator_values()[value.choice(integrator_names())];
 }
 void read(const SpecialValue& kind, const FlagValue& value, RenderSettings& settings) { kind.read(value, settings); }
 
@@ -80,15 +80,15 @@ std::string text(const RadianceValue& kind, const RenderSettings& settings) {
   return radiance ? fmt::format("{},{},{}", radiance->r, radiance->g, radiance->b) : "";
 }
 std::string text(const IntegratorValue&, const RenderSettings& settings) {
-  return std::string(settings.integrator->name);
+  return std::string(name_of(settings.integrator));
 }
 std::string text(const SpecialValue& kind, const RenderSettings& settings) { return kind.text(settings); }
 
 // "a", "a or b", "a, b or c".
-std::string names_text(const std::function<bool(const IntegratorKind&)>& wanted) {
+std::string names_text(const std::function<bool(const IntegratorSetting&)>& wanted) {
   std::vector<std::string_view> names;
-  for (const IntegratorKind* kind : integrators())
-    if (wanted(*kind)) names.push_back(kind->name);
+  for (const IntegratorSetting& value : integrator_values())
+    if (wanted(value)) names.push_back(name_of(value));
   if (names.empty()) return "";
   const std::string_view last = names.back();
   names.pop_back();
@@ -96,6 +96,16 @@ std::string names_text(const std::function<bool(const IntegratorKind&)>& wanted)
 }
 
 } // namespace
+
+std::vector<IntegratorSetting> integrator_values() {
+  std::vector<IntegratorSetting> values(integrators().begin(), integrators().end());
+  values.insert(values.begin() + 1, IntegratorSetting::automatic());
+  return values;
+}
+
+std::string_view name_of(const IntegratorSetting& integrator) {
+  return integrator.is_auto() ? "auto" : integrator->name;
+}
 
 void read_setting(const Setting& setting, const std::string& text, RenderSettings& settings) {
   const FlagValue value{fmt::format("--{}", setting.name), text};
@@ -135,12 +145,20 @@ bool is_supported(const Setting& setting, const IntegratorKind& kind) {
   return setting.supported_by == SupportedBy::all || supports(kind, setting.name);
 }
 
+bool is_supported(const Setting& setting, const RenderSettings& settings) {
+  return setting.supported_by == SupportedBy::all || supports(settings.integrator, setting.name);
+}
+
+bool is_auto(const Setting& setting, const RenderSettings& settings) {
+  return is_supported(setting, settings) && text_of(setting, settings) == "auto";
+}
+
 std::string supporters_text(std::string_view setting) {
-  return names_text([&](const IntegratorKind& kind) { return supports(kind, setting); });
+  return names_text([&](const IntegratorSetting& value) { return supports(value, setting); });
 }
 
 std::string aov_supporters_text(std::string_view aov) {
-  return names_text([&](const IntegratorKind& kind) { return std::ranges::count(kind.aovs, aov) > 0; });
+  return names_text([&](const IntegratorSetting& value) { return std::ranges::count(value->aovs, aov) > 0; });
 }
 
 } // namespace wavepath

@@ -50,7 +50,7 @@ struct RadianceValue { // --NAME R,G,B
   std::optional<glm::vec3> RenderSettings::*member = nullptr;
   double highest = 0.0;
 };
-struct IntegratorValue {}; // name of RenderSettings::integrator
+struct IntegratorValue {}; // name of RenderSettings::integrator, or auto
 struct SpecialValue {      // several members, or text with its own syntax
   void (*read)(const FlagValue& value, RenderSettings& settings) = nullptr;
   std::string (*text)(const RenderSettings& settings) = nullptr; // empty = not set
@@ -95,14 +95,21 @@ struct Setting {
   SettingGroup group = SettingGroup::transport;
   bool advanced = false; // shown by --help-all only
   SupportedBy supported_by = SupportedBy::all;
+  std::string_view listed_as{}; // in IntegratorKind::settings, with others; empty = under its own name
   Decides decides = Decides::picture;
   unsigned offered = 0;
   bool always_copied = false;            // written in copied commands even at its default
   const char* label = nullptr;           // text in the window's panel; null = not shown
+  bool planned = false;                  // it may be decided, by itself or with another setting: a plan records it
+  std::string_view unplanned{};          // value of its auto where no pilot decides; empty = it has no such auto
   std::vector<std::string_view> study{}; // values of its axis in a study, the naive one first; empty = no axis
   // Text in the identity in place of the value; an empty result is left out. Null = the value itself.
   std::string (*identity)(const RenderSettings& settings) = nullptr;
 };
+
+// Values of --integrator, in the order of --help.
+std::vector<IntegratorSetting> integrator_values();
+std::string_view name_of(const IntegratorSetting& integrator);
 
 // Parses `text` and sets the member. Throws UsageError.
 void read_setting(const Setting& setting, const std::string& text, RenderSettings& settings);
@@ -117,7 +124,10 @@ std::vector<std::string_view> choices_of(const Setting& setting);
 std::uint32_t number_of(const WholeValue& value, const RenderSettings& settings);
 
 bool is_supported(const Setting& setting, const IntegratorKind& kind);
-// Names of the integrators that support a setting or an AOV, as "hybrid or ao"; empty for an AOV that all support.
+bool is_supported(const Setting& setting, const RenderSettings& settings); // by the integrator that was given
+// True if its value is left to be decided.
+bool is_auto(const Setting& setting, const RenderSettings& settings);
+// Values of --integrator that support a setting or an AOV, as "hybrid or ao"; empty for an AOV that all support.
 std::string supporters_text(std::string_view setting);
 std::string aov_supporters_text(std::string_view aov);
 

@@ -40,6 +40,24 @@ inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2
 struct IntegratorKind; // host/render/settings/integrator_kind.h
 const IntegratorKind& default_integrator();
 
+// A value of --integrator: one of the kinds, or auto. Until auto is decided, it renders as the default kind.
+class IntegratorSetting {
+public:
+  IntegratorSetting(const IntegratorKind* kind) : kind_(kind) {} // never null
+  static IntegratorSetting automatic() {
+    IntegratorSetting setting(&default_integrator());
+    setting.is_auto_ = true;
+    return setting;
+  }
+  bool is_auto() const { return is_auto_; } // the plan may take another kind
+  operator const IntegratorKind*() const { return kind_; }
+  const IntegratorKind* operator->() const { return kind_; }
+
+private:
+  const IntegratorKind* kind_;
+  bool is_auto_ = false;
+};
+
 // Limit of shadow rays, and of occlusion rays, for each sample of a pixel; more rays need more samples.
 inline constexpr std::uint32_t kMostFrameRays = 256;
 
@@ -51,7 +69,7 @@ struct Lens {
 };
 
 struct RenderSettings {
-  const IntegratorKind* integrator = &default_integrator(); // never null
+  IntegratorSetting integrator = &default_integrator();
   std::uint32_t width = 1280, height = 720;
   std::uint32_t first_sample = 0; // range of samples of every pixel: first_sample <= s < last_sample
   std::uint32_t last_sample = 64;
@@ -109,9 +127,9 @@ struct RenderSettings {
   std::uint32_t denoise = kDenoiseOff; // noise filter of every frame or of the finished picture (denoising.h); biased
   bool mips = true;                    // mip levels in frames of one sample (mips.h); biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses a light: kLights constants
-  // Light samples where a path first scatters; 0 = auto, by the scene (light_samples.h).
+  // Light samples where a path first scatters; 0 = auto, by the scene (direct_sampling.h).
   std::uint32_t light_samples = 0;
-  std::uint32_t sky_samples = 0;    // sky directions of a vertex; 0 = auto: by pilots, 1 without (light_samples.h)
+  std::uint32_t sky_samples = 0;    // sky directions of a vertex; 0 = auto: by pilots, 1 without (direct_sampling.h)
   std::uint32_t reuse = kReuseAuto; // reuse of paths between neighbouring pixels (path_reuse.h)
   std::uint32_t adaptive = kAdaptiveAuto; // more samples where a pilot found more noise (adaptive.h)
   bool guide = false;                     // path guiding: directions are also drawn from a trained field

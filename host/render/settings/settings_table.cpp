@@ -8,7 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/render/settings/denoising.h"
-#include "host/render/settings/light_samples.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/path_reuse.h"
 
@@ -49,10 +49,14 @@ std::string aov_meaning() {
   return text;
 }
 
+constexpr std::string_view kSummaryOfAuto =
+    "short pilots of path, path --guide and bidirectional, of which the best renders";
+
 std::string integrator_meaning() {
   std::string text;
-  for (const IntegratorKind* kind : integrators())
-    text += fmt::format("{}{}: {}", text.empty() ? "" : ". ", kind->name, kind->summary);
+  for (const IntegratorSetting& value : integrator_values())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ". ", name_of(value),
+                        value.is_auto() ? kSummaryOfAuto : value->summary);
   return text;
 }
 
@@ -144,6 +148,7 @@ std::vector<Setting> lens_rows() {
   for (Setting& row : rows) {
     row.group = SettingGroup::lens;
     row.supported_by = SupportedBy::listed_else_refused;
+    row.listed_as = "lens";
     row.offered = kByAll;
   }
   return rows;
@@ -184,7 +189,8 @@ std::vector<Setting> transport_rows() {
        .meaning = integrator_meaning(),
        .offered = kByRenderAndView,
        .always_copied = true, // a render without it takes what it measures to be best
-       .label = "integrator"},
+       .label = "integrator",
+       .planned = true},
       {.name = "sampler",
        .value = ChoiceValue{&S::sampler, kSamplerNames},
        .meaning = "kind of random numbers. sobol: Owen-scrambled Sobol points",
@@ -221,8 +227,10 @@ std::vector<Setting> transport_rows() {
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_ignored,
+       .listed_as = "path sampling",
        .offered = kByRenderAndView | kByBench,
        .label = "light samples",
+       .planned = true,
        .study = {"1", "2", "4", "8"}},
       {.name = "sky-samples",
        .value = ChoiceValue{&S::sky_samples, kLightSamplesNames},
@@ -232,8 +240,11 @@ std::vector<Setting> transport_rows() {
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_ignored,
+       .listed_as = "path sampling",
        .offered = kByRenderAndView | kByBench,
        .label = "sky samples",
+       .planned = true,
+       .unplanned = "1",
        .study = {"1", "2", "4", "8"}},
       {.name = "reuse",
        .value = ChoiceValue{&S::reuse, kReuseNames, "on"},
@@ -242,8 +253,11 @@ std::vector<Setting> transport_rows() {
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
+       .listed_as = "path sampling",
        .offered = kByRenderAndView | kByBench,
        .label = "reuse of paths",
+       .planned = true,
+       .unplanned = "off",
        .study = {"off", "on"},
        // What shares nothing has the bits, and the identity, of renders that know nothing of it.
        .identity = [](const S& s) { return std::string(reuses_paths(s) ? "on" : ""); }},
@@ -261,6 +275,7 @@ std::vector<Setting> transport_rows() {
                   "Unbiased. If the pilot predicts no gain, paths are not guided",
        .supported_by = SupportedBy::listed_else_refused,
        .offered = kByRender,
+       .planned = true,
        .study = {"off", "on"}},
       {.name = "max-depth",
        .value = WholeValue{&S::max_depth, 0, kDeepest},
@@ -310,8 +325,7 @@ std::vector<Setting> transport_rows() {
   };
   for (Setting& row : rows)
     if (row.name == "integrator")
-      for (const IntegratorKind* kind : integrators())
-        if (!kind->candidates) row.study.push_back(kind->name);
+      for (const IntegratorKind* kind : integrators()) row.study.push_back(kind->name);
   return rows;
 }
 
@@ -361,7 +375,9 @@ std::vector<Setting> stop_rows() {
        .group = SettingGroup::decisions,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
-       .offered = kByRender},
+       .offered = kByRender,
+       .planned = true,
+       .unplanned = "off"},
   };
 }
 
@@ -430,7 +446,8 @@ std::vector<Setting> special_rows() {
        .initial = "all",
        .group = SettingGroup::others,
        .advanced = true,
-       .supported_by = SupportedBy::listed_else_refused},
+       .supported_by = SupportedBy::listed_else_refused,
+       .planned = true},
       {.name = "cutoff",
        .value = NumberValue{&S::cutoff, 0.0, 1.0},
        .meaning = "weight of a ray at or below which it is not followed. 0: all rays are followed",
@@ -488,11 +505,24 @@ const Setting& setting_named(std::string_view name) {
   return *std::ranges::find(settings_table(), name, &Setting::name);
 }
 
+bool supports(const IntegratorKind& kind, std::string_view setting) {
+  const auto row = std::ranges::find(settings_table(), setting, &Setting::name);
+  const bool with_others = row != settings_table().end() && !row->listed_as.empty();
+  return std::ranges::count(kind.settings, with_others ? row->listed_as : setting) > 0;
+}
+
+bool supports(const IntegratorSetting& integrator, std::string_view setting) {
+  if (!integrator.is_auto()) return supports(*integrator, setting);
+  return std::ranges::any_of(integrators(), [&](const IntegratorKind* kind) {
+    return kind->candidates && supports(*kind, setting) && std::ranges::count(kind->not_by_auto, setting) == 0;
+  });
+}
+
 std::string flags_of(const RenderSettings& settings) {
   std::string flags;
   for (const Setting& row : settings_table()) {
     const bool copied = row.always_copied || (row.decides == Decides::picture && !is_default(row, settings));
-    if (!copied || !is_supported(row, *settings.integrator)) continue;
+    if (!copied || !is_supported(row, settings)) continue;
     if (const std::string flag = flag_text(row, settings); !flag.empty()) flags += " " + flag;
   }
   return flags;

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "host/render/settings/adaptivity.h"
+#include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/integrator_kind.h"
-#include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/probing.h"
@@ -34,12 +34,8 @@ gpu::Feature generic_features(gpu::Feature scene) {
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
   const std::uint32_t stack = (stack_size + kStackStep - 1) / kStackStep * kStackStep;
-  const std::uint32_t light_samples = light_samples_of(settings, features);
-  const bool samples_sky =
-      sky_samples_of(settings, features) > 1 ||
-      (settings.kernels.sky_samples && may_sample_sky(settings, features) && tries_sky_cheaply(features));
-  const bool reuse = reuses_paths(settings) || tries_reuse(settings, features);
-  const std::uint32_t sky = samples_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
+  const DirectSampling sampling = direct_sampling(settings, features);
+  const bool reuse = kernels_reuse_paths(settings, features);
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
@@ -51,7 +47,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.kernels.added) & ~settings.kernels.removed;
-  if (!(features & gpu::kFeatureEnvironmentMap) && !samples_sky) features &= ~gpu::kFeatureLearnedSky;
+  if (!(features & gpu::kFeatureEnvironmentMap) && !sampling.kernels_see_sky) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t probing =
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;
@@ -75,16 +71,26 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           terminator,
           traversal_of(settings),
           sort,
-          light_samples,
-          sky,
+          sampling.lights,
+          sampling.kernels_see_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths,
           reuse ? gpu::kReuseQuads : gpu::kReuseNone};
+}
+
+KernelConfig generic_config(gpu::Feature scene, std::uint32_t stack_size, const RenderPlan& settings) {
+  const KernelConfig specialized = kernel_config(scene, stack_size, settings);
+  KernelConfig generic = kernel_config(generic_features(scene), stack_size, settings);
+  generic.light_samples = specialized.light_samples; // what generic kernels are not compiled for
+  generic.sky = specialized.sky;
+  generic.reuse = specialized.reuse;
+  return generic;
 }
 
 gpu::Feature features_of(const RenderPlan& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_training_bytes > 0) features |= gpu::kFeatureLightCells;
-  if (learned && settings.integrator->sky_training_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
+  if (learned && settings.integrator->sky_training_bytes > 0 && settings.max_depth > 0 &&
+      direct_of(settings) != gpu::kDirectBsdf)
     features |= gpu::kFeatureLearnedSky;
   return features | settings.integrator->features(settings);
 }

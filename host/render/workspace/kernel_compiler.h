@@ -23,6 +23,8 @@ gpu::Feature generic_features(gpu::Feature scene);
 
 // Configuration of kernels for a scene of these features, whose BVH needs `stack_size` entries, and these settings.
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings);
+// That of generic kernels that stand in for it.
+KernelConfig generic_config(gpu::Feature scene, std::uint32_t stack_size, const RenderPlan& settings);
 
 // True if rendering should begin with generic kernels while specialized ones are compiled. GPU drivers take seconds for
 // new kernels, but none for those in the pipeline cache. CPU drivers compile at the first dispatch, one kernel at a

@@ -6,14 +6,24 @@
 namespace wavepath {
 
 struct PackedScene;
+struct ScenePlan;
+
+// What of a scene decides about training: known of a packed scene, foretold by its plan.
+struct TrainingScene {
+  TrainingScene(const PackedScene& scene);
+  TrainingScene(const ScenePlan& scene, gpu::Feature expected);
+
+  gpu::Feature features; // kFeature bits of the scene
+  bool has_light_tree, has_map;
+};
 
 // True if lights are chosen with probabilities that are trained for cells of space.
-bool trains_lights(const PackedScene& scene, const RenderPlan& settings);
+bool trains_lights(const TrainingScene& scene, const RenderPlan& settings);
 // True if directions to a sky of one colour, besides those of paths, are chosen so.
-bool trains_one_colour(const PackedScene& scene, const RenderPlan& settings);
+bool trains_one_colour(const TrainingScene& scene, const RenderPlan& settings);
 // True if parts of the sky are chosen so, of an environment map or of a sky of one colour.
-bool trains_sky(const PackedScene& scene, const RenderPlan& settings);
+bool trains_sky(const TrainingScene& scene, const RenderPlan& settings);
 // True if any of these is trained.
-bool trains_light_selection(const PackedScene& scene, const RenderPlan& settings);
+bool trains_light_selection(const TrainingScene& scene, const RenderPlan& settings);
 
 } // namespace wavepath

@@ -17,7 +17,7 @@ struct BufferDimensions {
   std::uint64_t slots = 0;         // paths in flight
   gpu::Feature features = 0;       // kFeature bits of all kernels that may run
   std::uint32_t options = 0;       // bits, whose meaning the owner of the buffers defines
-  std::uint32_t light_samples = 1; // of a path where it first scatters
+  std::uint32_t shadow_queues = 1; // of shadow rays; each has an entry for every path
 };
 
 struct BufferView {
