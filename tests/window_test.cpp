@@ -257,7 +257,7 @@ TEST_F(Window, CopiesLinesThatRepeatWhateverLightsTheScene) {
       {lamps, {"--lights", "learned"}},
       {kCornell, {"--lights", "tree"}},                        // of few lights, of which auto makes none
       {showcase, {"--env", "0.5,0.6,0.7", "--direct", "nee"}}, // which looks for a sky of one colour
-      {kCornell, {"--show", "variance"}},
+      {kCornell, {"--aov", "variance"}},                       // whose samples are split between two replicates
   };
   int number = 0;
   for (const auto& [scene, flags] : cases) {
