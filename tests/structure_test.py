@@ -66,7 +66,8 @@ def text_files():
                                    "CHANGELOG.md"))
 
 
-# Headers that the build precompiles, so that no compiler misses them, and what tells that a file uses one.
+# Headers that the build or test_headers_compile_alone precompiles, so that no compiler misses them, and what tells that
+# a file uses one.
 ALGORITHMS = ("all_of|any_of|clamp|copy|count|count_if|equal|fill|find|find_if|max|max_element|min|min_element|none_of|"
               "sort|transform")
 PRECOMPILED = {
@@ -78,6 +79,8 @@ PRECOMPILED = {
     "fstream": r"\bstd::[io]?fstream\b",
     "functional": r"\bstd::(function|hash)<",
     "future": r"\bstd::(future<|async\()",
+    "deque": r"\bstd::deque<",
+    "list": r"\bstd::list<",
     "map": r"\bstd::(multi)?map<",
     "memory": r"\bstd::((unique|shared)_ptr|make_(unique|shared))<",
     "numeric": r"\bstd::(accumulate|gcd|inner_product|iota|partial_sum|reduce)\(",
@@ -88,6 +91,8 @@ PRECOMPILED = {
     "vector": r"\bstd::vector<",
     "fmt/": r"\bfmt::(format|join|print)\(",
     "glm/": r"\bglm::",
+    "nlohmann/json": r"\bnlohmann::",
+    "vulkan/vulkan.h": r"\bVk[A-Z]\w+|\bvk[A-Z]\w+\(",
     "tbb/parallel_for.h": r"\btbb::parallel_for\(",
     "gtest/gtest.h": r"\b(TEST|TEST_F|TEST_P)\(",
 }
@@ -280,7 +285,7 @@ class Structure(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             # Compiled once. That headers include these themselves is test_files_include_what_is_precompiled's.
             system = pathlib.Path(folder) / "system.h"
-            whole = {"fmt/": "fmt/format.h", "glm/": "glm/glm.hpp"}
+            whole = {"fmt/": "fmt/format.h", "glm/": "glm/glm.hpp", "nlohmann/json": "nlohmann/json.hpp"}
             system.write_text("".join(f"#include <{whole.get(header, header)}>\n" for header in PRECOMPILED))
             subprocess.run([*flags, "-x", "c++-header", system, "-o", f"{system}.gch"], check=True)
             known = subprocess.run([*flags, "-M", system], check=True, capture_output=True, text=True).stdout.split()
