@@ -1,5 +1,7 @@
 #include "host/plan/adaptive.h"
 
+#include "host/plan/pilots.h"
+#include "host/render/loop/adaptive.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
@@ -20,6 +22,14 @@ double adaptive_pilot_paths(const RenderPlan& settings) {
   return static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
 }
 
+double noise_pilot_fraction(const RenderPlan& settings, bool cpu) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const bool open_ended = settings.time_limit > 0.0 || settings.target_error > 0.0; // as RenderLoop takes it
+  const double longer =
+      open_ended ? 1.0 : noise_pilot_samples(settings.last_sample, pixels) / double{kFewestPilotSamples};
+  return longer * adaptive_pilot_paths(settings) / expected_paths(settings, cpu);
+}
+
 bool may_pay_adaptive(const RenderPlan& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const bool adapts = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
@@ -28,7 +38,8 @@ bool may_pay_adaptive(const RenderPlan& settings) {
          expected_paths(settings, true) >= kWholeOverPilot * adaptive_pilot_paths(settings);
 }
 
-std::optional<Decision> decide_adaptive(RenderPlan& settings, bool stands_alone, bool cpu) {
+std::optional<Decision> decide_adaptive(RenderPlan& settings, bool stands_alone, bool cpu, double spent) {
+  const bool foreseen = settings.looks_for_noise;
   settings.looks_for_noise = false;
   if (!is_auto(setting_named("adaptive"), settings)) return std::nullopt;
   Decision decision{.what = "adaptive", .taken = "off"};
@@ -36,10 +47,13 @@ std::optional<Decision> decide_adaptive(RenderPlan& settings, bool stands_alone,
     decision.why = "rule: parts of a render share their samples out evenly";
   } else if (!may_pay_adaptive(settings)) {
     decision.why = "no pilot: the render is short, or its picture small or very large";
+  } else if (const double fraction = noise_pilot_fraction(settings, cpu); spent + fraction > kPilotsOfRender) {
+    decision.why = "no pilot: with the others it would be more than a tenth of the render";
+    if (foreseen && cpu) settings.kernels.added |= gpu::kFeatureAdaptive; // others are not worth compiling
   } else {
     decision.taken = "auto";
     decision.why = "a pilot of noise decides when the render begins";
-    decision.fraction = adaptive_pilot_paths(settings) / expected_paths(settings, cpu);
+    decision.fraction = fraction;
     settings.looks_for_noise = true;
   }
   if (!settings.looks_for_noise) settings.adaptive = kAdaptiveOff;

@@ -23,6 +23,15 @@ struct PilotPicture {
   std::uint32_t width = 0, height = 0, spp = 0;
 };
 
+// Result and expense of the pilots of one decision.
+struct PilotOutcome {
+  double cost = 1.0;           // predicted squared error times work of the best candidate, relative to the rule's
+  double seconds = 0.0;        // wall time, waiting for kernels and upload included
+  double render_seconds = 0.0; // part of `seconds` spent rendering
+  PilotPicture pilot{};        // size of each candidate's pilot
+  double fraction = 0.0;       // ratio of the pilots' paths to the render's
+};
+
 struct Decision {
   std::string_view what;     // name of the setting
   std::string taken;         // its value, spelled as on the command line
@@ -35,6 +44,12 @@ struct Decision {
   PilotPicture pilot{};        // size of each candidate's pilot
   bool is_told = false;        // printed in a line of its own, even without --verbose
   std::vector<Trial> trials{}; // one for each candidate, if integrators were compared
+
+  void add(const PilotOutcome& outcome) {
+    cost = lo = hi = outcome.cost;
+    seconds = outcome.seconds, render_seconds = outcome.render_seconds;
+    fraction = outcome.fraction, pilot = outcome.pilot;
+  }
 };
 
 } // namespace wavepath

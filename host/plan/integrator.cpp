@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "host/base/clock.h"
 #include "host/gpu/device_limit.h"
 #include "host/plan/lamps_in_sight.h"
 #include "host/render/agreement.h"
 #include "host/render/lost_light.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/workspace/light_training.h"
 
 namespace wavepath {
 namespace {
@@ -27,6 +27,7 @@ struct Round {
 };
 constexpr Round kFirstRound{kIntegratorPilot, 2};
 constexpr Round kSecondRound{kIntegratorPilotAgain, kGuideIterations};
+constexpr double kWorkOverSecond = 10.0; // of the render; guiding and paths from both ends cost more than paths tell
 constexpr std::uint32_t kSecondOverFirst = kIntegratorPilotAgain.samples / kIntegratorPilot.samples;
 constexpr double kAlike = 2.0; // of costs after 16 samples: either may be the lower one
 // Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
@@ -145,15 +146,15 @@ std::vector<std::size_t> contenders(const std::vector<Trial>& trials, std::size_
 }
 
 // Whether to try those again, in a render `length` times as long as a pilot.
-bool tries_again(const std::vector<Tried>& pilots, const std::vector<std::size_t>& which, double length) {
-  if (which.size() < 2) return false;
+bool tries_again(const std::vector<Tried>& pilots, const std::vector<std::size_t>& which, double length, bool cpu) {
+  if (which.size() < 2 || !is_affordable(kIntegratorPilotAgain, pilots.front().settings, cpu)) return false;
   double work = 0.0, cheapest = std::numeric_limits<double>::infinity();
   for (const std::size_t i : which) {
     cheapest = std::min(cheapest, pilots[i].work);
     constexpr double kLonger = 1u << (kSecondRound.guide_iterations - kFirstRound.guide_iterations);
     work += kSecondOverFirst * pilots[i].steady + kLonger * pilots[i].learned;
   }
-  return length * cheapest >= kIntegratorPilotAgain.render_over_pilots * work;
+  return length * cheapest >= kWorkOverSecond * work;
 }
 
 // Why that was taken; empty where nothing but the choice is to be told.
@@ -205,17 +206,19 @@ std::vector<RenderPlan> candidates_of(const RenderPlan& settings, const PackedSc
 
 IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settings,
                                    const std::function<bool(const RenderPlan&)>& fits) {
-  if (!settings.integrator.is_auto()) return {.settings = settings};
-  const Clock::time_point start = Clock::now();
-  const double rendered_before = pilots.render_seconds();
+  IntegratorChoice choice;
+  choice.settings = settings;
+  if (!settings.integrator.is_auto()) return choice;
+  const PilotStart start = pilots.start();
   const PackedScene& scene = pilots.scene();
   const std::vector<RenderPlan> all = candidates_of(settings, scene);
   const bool cpu = pilots.is_cpu();
-  IntegratorChoice choice{.settings = all.front()};
+  choice.settings = all.front();
   const double length = length_of(settings, cpu);
   if (all.size() < 2) return choice;
-  const double shortest = kIntegratorPilot.render_over_pilots * static_cast<double>(all.size());
-  if (!may_make_pilots(settings, cpu) || length < shortest) {
+  const double training =
+      trains_light_selection(scene, all.front()) ? static_cast<double>(kPartTrainingPaths) : 0.0; // of the first pilot
+  if (!is_affordable(kIntegratorPilot, settings, cpu, training)) {
     const auto finder = std::ranges::find_if(all, [](const RenderPlan& way) { return way.integrator->splats; });
     if (finder == all.end() || !hides_lamps(scene, pilots.view()) || !fits(*finder)) return choice;
     choice.settings = *finder;
@@ -229,16 +232,11 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
     else
       choice.too_large.push_back(candidate_text(all[i]));
   if (candidates.size() < 2) return choice;
-  choice.pilot = PilotRunner::picture_of(kIntegratorPilot, settings);
   std::vector<Tried> tried;
   const auto try_out = [&](const RenderPlan& candidate, const Round& round) {
-    RenderPlan small = pilot_of(candidate, round);
-    if (!tried.empty())
-      small.training.found = pilots.shared().light_probabilities; // that the first trained, as they would
-    PilotRender pilot = pilots.run(small);
+    PilotRender pilot = pilots.run(pilot_of(candidate, round));
     Tried one{candidate, std::move(pilot.result), pilot.light, pilot.steady_work, pilot.training_work};
     one.work = one.steady + one.learned * training_fraction(candidate, one.result, round);
-    choice.fraction += paths_of(small) / expected_paths(settings, cpu);
     return one;
   };
   const auto judge_all = [&] {
@@ -260,7 +258,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
   }
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
-  if (choice.taken > 0 && tries_again(tried, close, length)) {
+  if (choice.taken > 0 && tries_again(tried, close, length, cpu)) {
     for (const std::size_t i : close) tried[i] = try_out(tried[i].settings, kSecondRound);
     judge_all();
   }
@@ -285,8 +283,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
       disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->fraction,
                                          100.0 * apart->standard_error));
   choice.settings = tried[choice.taken].settings;
-  choice.seconds = seconds_since(start);
-  choice.render_seconds = pilots.render_seconds() - rendered_before;
+  static_cast<PilotOutcome&>(choice) = pilots.outcome_since(start, kIntegratorPilot, settings);
   return choice;
 }
 
@@ -301,12 +298,9 @@ std::string choice_text(const IntegratorChoice& choice) {
 Decision decision_of(const IntegratorChoice& choice) {
   Decision decision{.what = "integrator",
                     .taken = std::string(choice.settings.integrator->name),
-                    .seconds = choice.seconds,
-                    .render_seconds = choice.render_seconds,
-                    .fraction = choice.fraction,
-                    .pilot = choice.pilot,
                     .is_told = !choice.trials.empty() || !choice.too_large.empty() || choice.hidden_lamps,
                     .trials = choice.trials};
+  decision.add(choice);
   std::vector<std::string> clauses = exceptions_of(choice);
   if (const std::string reason = reason_of(choice); !reason.empty()) clauses.insert(clauses.begin(), reason);
   decision.why = fmt::format("{}{}", choice.trials.empty() ? "no pilot: " : "", fmt::join(clauses, "; "));

@@ -10,19 +10,15 @@
 
 namespace wavepath {
 
-struct IntegratorChoice {
+struct IntegratorChoice : PilotOutcome {
   RenderPlan settings;                // settings of the candidate taken; the integrator is never `auto`
   std::vector<Trial> trials;          // empty if no pilot was made
   std::vector<std::string> too_large; // flags of candidates that were skipped because they would not fit into memory
   std::vector<std::string> refused;   // flags of candidates that the device cannot run
   // True if the candidate was taken without a pilot, since the render is short and its lamps are hidden.
   bool hidden_lamps = false;
-  std::size_t taken = 0;       // index in `trials` of the candidate taken
-  std::string disagreement;    // warning text if a candidate disagrees with the first; empty if all agree
-  double seconds = 0.0;        // wall time of the pilots, compiling included
-  double render_seconds = 0.0; // part of `seconds` spent rendering
-  PilotPicture pilot;          // size of each pilot of the first round
-  double fraction = 0.0;       // ratio of the pilots' paths to the render's
+  std::size_t taken = 0;    // index in `trials` of the candidate taken
+  std::string disagreement; // warning text if a candidate disagrees with the first; empty if all agree
 };
 
 // Candidates of --integrator auto, by IntegratorKind::candidates. The first one is taken if no pilot is made.
@@ -30,7 +26,8 @@ std::vector<RenderPlan> candidates_of(const RenderPlan& settings, const PackedSc
 
 // Returns `settings` unchanged, unless their integrator is `auto`. Then:
 //
-// 1. A render of less than 20 pilots of each, or than a second, takes the first candidate without a pilot; or the one
+// 1. A render of less than 20 times the paths of three pilots and their training, or than a second, takes the first
+// candidate without a pilot; or the one
 //    with light paths, if few rays on the host find lamps hidden.
 // 2. The first candidate renders a pilot of 16 samples.
 // 3. Unless it may lack light, it is taken if its error is below 10 %, or if pilots of the others would cost more than

@@ -11,9 +11,9 @@
 
 namespace wavepath {
 
-bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu) {
-  return may_make_pilots(render, cpu) &&
-         expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
+bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu, double training_paths) {
+  const double paths = PilotRunner::paths_of_all(row, render) + training_paths;
+  return may_make_pilots(render, cpu) && expected_paths(render, cpu) >= row.render_over_pilots * paths;
 }
 
 Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu) {
@@ -49,7 +49,15 @@ double PilotRunner::paths_of_all(const PilotRow& row, const RenderPlan& render) 
   return row.pictures * paths_of(settings_of(row, render));
 }
 
-PilotRender PilotRunner::run(const RenderPlan& pilot) {
+PilotOutcome PilotRunner::outcome_since(const PilotStart& start, const PilotRow& row, const RenderPlan& render) const {
+  return {.seconds = seconds_since(start.time),
+          .render_seconds = render_seconds_ - start.render_seconds,
+          .pilot = picture_of(row, render),
+          .fraction = (paths_ - start.paths) / expected_paths(render, cpu_)};
+}
+
+PilotRender PilotRunner::run(RenderPlan pilot) {
+  if (!pilot.training.found) pilot.training.found = shared_.light_probabilities;
   std::unique_ptr<RenderLoop> loop = std::move(loop_); // one that throws is of no use any more
   if (loop && loop->settings().integrator == pilot.integrator) {
     loop->restart(view_, pilot);
@@ -67,6 +75,7 @@ PilotRender PilotRunner::run(const RenderPlan& pilot) {
   PilotRender made{.settings = pilot, .result = loop->finish()};
   if (made.result.light_training.probabilities) shared_.light_probabilities = made.result.light_training.probabilities;
   render_seconds_ += made.result.seconds;
+  paths_ += paths_of(pilot) + static_cast<double>(made.result.light_training.paths);
   made.light = light_of(*made.result.film);
   made.steady_work = steady_work(pilot, made.result, cpu_);
   made.training_work = std::max(0.0, pilot.integrator->work(pilot, made.result.rays, cpu_) - made.steady_work);

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "host/base/clock.h"
 #include "host/plan/decision.h"
 #include "host/plan/pilots.h"
 #include "host/render/loop/render_loop.h"
@@ -28,8 +29,14 @@ struct PilotRender {
 };
 
 // True if the render is long enough to make pilots at all, and has at least row.render_over_pilots times the paths of
-// all pictures of the row. `cpu`: the device is a CPU.
-bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu);
+// all pictures of the row and of their training. `cpu`: the device is a CPU.
+bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu, double training_paths = 0.0);
+
+// State of a PilotRunner before a decision.
+struct PilotStart {
+  Clock::time_point time;
+  double render_seconds, paths; // sums over all earlier pilots
+};
 
 // What the pilots of a row would decide, before they are made.
 Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu);
@@ -46,9 +53,12 @@ public:
   // Paths of all pictures of a row together.
   static double paths_of_all(const PilotRow& row, const RenderPlan& render);
 
-  // Renders a pilot. Consecutive pilots by the same integrator share buffers. Throws DeviceLimit if the device cannot
-  // run it.
-  PilotRender run(const RenderPlan& pilot);
+  // Renders a pilot. Consecutive pilots by the same integrator share buffers. The first pilot that trains its choice of
+  // lights trains for all. Throws DeviceLimit if the device cannot run it.
+  PilotRender run(RenderPlan pilot);
+  PilotStart start() const { return {Clock::now(), render_seconds_, paths_}; }
+  // Seconds and paths of the pilots of a row since `start`; the paths as a fraction of the render's.
+  PilotOutcome outcome_since(const PilotStart& start, const PilotRow& row, const RenderPlan& render) const;
 
   Device& device() { return device_; }
   const PackedScene& scene() const { return scene_; }
@@ -56,7 +66,6 @@ public:
   KernelCompiler& kernels() { return kernels_; }
   SceneOnDevice& shared() { return shared_; }
   bool is_cpu() const { return cpu_; }
-  double render_seconds() const { return render_seconds_; } // of all pilots so far
 
 private:
   Device& device_;
@@ -65,7 +74,8 @@ private:
   KernelCompiler& kernels_;
   SceneOnDevice& shared_;
   bool cpu_;
-  double render_seconds_ = 0.0;
+  double render_seconds_ = 0.0; // of all pilots so far
+  double paths_ = 0.0;          // likewise, with those that trained
   std::unique_ptr<RenderLoop> loop_;
 };
 

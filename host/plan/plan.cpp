@@ -38,6 +38,15 @@ Decision decide_lights(const RenderPlan& settings, const PackedScene& scene, boo
   return decision;
 }
 
+// Fraction of the render's paths that earlier pilots and training take.
+double spent(const Plan& plan, const PackedScene& scene, bool cpu) {
+  double sum = 0.0;
+  for (const Decision& decision : plan.decisions) sum += decision.fraction;
+  if (trains_light_selection(scene, plan.settings))
+    sum += static_cast<double>(plan.settings.training.paths) / expected_paths(plan.settings, cpu);
+  return sum;
+}
+
 void decide_integrator(Plan& plan, const PlanRequest& request, bool cpu, PilotRunner* pilots) {
   RenderPlan& settings = plan.settings;
   if (!settings.integrator.is_auto()) return;
@@ -97,7 +106,8 @@ Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, Pilo
     decide_integrator(plan, request, cpu, pilots);
     // Last of the pilots: what tells whether others are worth trying is the error of paths that share nothing.
     add(decide_reuse(settings, scene, cpu, pilots));
-    add(decide_adaptive(settings, request.stands_alone, cpu));
+    if (!cpu || expected_paths(settings, cpu) >= kCpuKeepsKernels) settings.kernels.shared_sky = false;
+    add(decide_adaptive(settings, request.stands_alone, cpu, spent(plan, scene, cpu)));
     if (pilots) replace_autos(settings); // said plainly, once all pilots are made
   }
   if (is_auto(setting_named("light-samples"), settings))

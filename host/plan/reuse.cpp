@@ -2,18 +2,17 @@
 
 #include <fmt/format.h>
 
-#include "host/base/clock.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/workspace/light_training.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
 namespace {
 
-constexpr double kReuseTrainingPaths = 2e5; // that light selection takes, which pilots have to train first
-// In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
-constexpr double kCpuReuseKernels = 1e6;
+// Where pilots have to train light selection first: how many times the paths of pilots and training.
+constexpr double kRenderOverTrained = 32.0;
 
 // Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
 RenderPlan reuse_pilot_of(const RenderPlan& settings, std::uint32_t reuse) {
@@ -25,16 +24,8 @@ RenderPlan reuse_pilot_of(const RenderPlan& settings, std::uint32_t reuse) {
 }
 
 Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
-  Decision decision{.what = "reuse",
-                    .taken = reuses_paths(settings) ? "on" : "off",
-                    .cost = choice.cost,
-                    .lo = choice.cost,
-                    .hi = choice.cost,
-                    .seconds = choice.seconds,
-                    .render_seconds = choice.render_seconds,
-                    .fraction = choice.fraction,
-                    .pilot = choice.pilot,
-                    .is_told = choice.pays};
+  Decision decision{.what = "reuse", .taken = reuses_paths(settings) ? "on" : "off", .is_told = choice.pays};
+  decision.add(choice);
   decision.why = choice.tried ? fmt::format("pilots: a given error costs {:.2g}x the work without", choice.cost)
                  : may_reuse_paths(settings) ? "no pilot: the render is short"
                                              : "these settings trace paths that neighbours cannot share";
@@ -45,33 +36,30 @@ Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
 
 BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu) {
   if (settings.reuse != kReuseAuto || !is_affordable(kReusePilot, settings, cpu)) return BearsReuse::nowhere;
-  return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? BearsReuse::untrained
-                                                                                              : BearsReuse::anywhere;
+  const double trained = PilotRunner::paths_of_all(kReusePilot, settings) + static_cast<double>(kPartTrainingPaths);
+  return expected_paths(settings, cpu) < kRenderOverTrained * trained ? BearsReuse::untrained : BearsReuse::anywhere;
 }
 
 ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   const bool cpu = pilots.is_cpu();
   RenderPlan trying = settings;
   trying.kernels.reuse = where_to_try_reuse(settings, cpu);
-  if (!tries_reuse(trying, pilots.scene().features)) // a CPU had better not compile others now
-    return {.kernels_bear = cpu ? settings.kernels.reuse : BearsReuse::nowhere};
+  const bool keeps_kernels = cpu && expected_paths(settings, cpu) < kCpuKeepsKernels;
+  ReuseChoice choice;
+  if (!tries_reuse(trying, pilots.scene().features)) { // a CPU had better not compile others now
+    choice.kernels_bear = keeps_kernels ? settings.kernels.reuse : BearsReuse::nowhere;
+    return choice;
+  }
   trying.training.one_colour =
       settings.training.one_colour && trying.kernels.reuse == BearsReuse::anywhere; // else its training is too long
-  const Clock::time_point start = Clock::now();
-  const double rendered_before = pilots.render_seconds();
-  const PilotRender apart = pilots.run(reuse_pilot_of(trying, kReuseOff));
-  RenderPlan sharing = reuse_pilot_of(trying, kReuseOn);
-  sharing.training.found = apart.result.light_training.probabilities;
-  const PilotRender together = pilots.run(sharing);
-  ReuseChoice choice{.tried = true};
-  if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();
+  const PilotStart start = pilots.start();
+  const double apart = pilots.run(reuse_pilot_of(trying, kReuseOff)).cost();
+  const double together = pilots.run(reuse_pilot_of(trying, kReuseOn)).cost();
+  static_cast<PilotOutcome&>(choice) = pilots.outcome_since(start, kReusePilot, settings);
+  choice.tried = true;
+  if (apart > 0.0) choice.cost = together / apart;
   choice.pays = choice.cost < kReusePilot.worthwhile;
-  if (cpu && expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kCpuReuseKernels)
-    choice.kernels_bear = trying.kernels.reuse;
-  choice.seconds = seconds_since(start);
-  choice.render_seconds = pilots.render_seconds() - rendered_before;
-  choice.pilot = PilotRunner::picture_of(kReusePilot, settings);
-  choice.fraction = PilotRunner::paths_of_all(kReusePilot, settings) / expected_paths(settings, cpu);
+  if (keeps_kernels) choice.kernels_bear = trying.kernels.reuse;
   return choice;
 }
 

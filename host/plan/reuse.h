@@ -8,14 +8,10 @@
 
 namespace wavepath {
 
-struct ReuseChoice {
+// `cost`: relative to the render without reuse.
+struct ReuseChoice : PilotOutcome {
   bool tried = false; // pilots were made; false if the render is short or cannot reuse paths
   bool pays = false;
-  double cost = 1.0;           // predicted squared error times work, relative to the render without reuse
-  double seconds = 0.0;        // wall time of the pilots, waiting for kernels and upload included
-  double render_seconds = 0.0; // part of `seconds` spent rendering
-  PilotPicture pilot;
-  double fraction = 0.0; // predicted ratio of the pilots' paths to the render's
   // KernelCapacity::reuse of the render: a short render uses the kernels that were compiled for the pilots
   BearsReuse kernels_bear = BearsReuse::nowhere;
 };

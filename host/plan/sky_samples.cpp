@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "host/base/clock.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/integrator_kind.h"
@@ -17,8 +16,9 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kTried = 4; // besides 1
-// In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
-constexpr double kCpuSkyKernels = 5e5;
+// In paths of the render: 20 times what compiling takes of a CPU that also renders, if it is not done while the scene
+// is loaded.
+constexpr double kCpuSkyKernels = 1e7;
 
 RenderPlan sky_pilot_of(const RenderPlan& settings, std::uint32_t sky_samples) {
   RenderPlan pilot = PilotRunner::settings_of(kSkyPilot, settings);
@@ -37,14 +37,8 @@ struct Measured {
 Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
   Decision decision{.what = "sky-samples",
                     .taken = fmt::format("{}", std::max(settings.sky_samples, 1u)),
-                    .cost = choice.cost,
-                    .lo = choice.cost,
-                    .hi = choice.cost,
-                    .seconds = choice.seconds,
-                    .render_seconds = choice.render_seconds,
-                    .fraction = choice.fraction,
-                    .pilot = choice.pilot,
                     .is_told = choice.samples > 1};
+  decision.add(choice);
   if (choice.samples == 0)
     decision.why = "no pilot: the render is short, or no path could share a sky of one colour";
   else if (choice.samples == 1)
@@ -65,17 +59,18 @@ bool may_try_sky(const RenderPlan& settings, bool cpu) {
 SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   const bool cpu = pilots.is_cpu();
   const gpu::Feature features = pilots.scene().features;
-  const bool longer = expected_paths(settings, cpu) >= kSkyPilot.render_over_pilots * kCpuSkyKernels;
+  const bool longer = expected_paths(settings, cpu) >= kCpuSkyKernels;
   if (!may_try_sky(settings, cpu) || !may_sample_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
     return {};
-  const Clock::time_point start = Clock::now();
-  const double rendered_before = pilots.render_seconds();
-  SkyChoice choice{.samples = 1};
+  const PilotStart start = pilots.start();
   const auto measure = [&](std::uint32_t sky_samples) {
     const PilotRender pilot = pilots.run(sky_pilot_of(settings, sky_samples));
     return Measured{pilot.squared_error(), pilot.steady_work};
   };
   const Measured one = measure(1), more = measure(kTried);
+  SkyChoice choice;
+  static_cast<PilotOutcome&>(choice) = pilots.outcome_since(start, kSkyPilot, settings);
+  choice.samples = 1;
 
   // squared_error = rest + sky / n, work = paths + n * shadow_ray
   const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
@@ -87,11 +82,6 @@ SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
   }
   choice.trains = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   if (choice.trains) choice.samples = learned_sky_samples(settings, features);
-  choice.keeps_kernels = cpu && !longer;
-  choice.seconds = seconds_since(start);
-  choice.render_seconds = pilots.render_seconds() - rendered_before;
-  choice.pilot = PilotRunner::picture_of(kSkyPilot, settings);
-  choice.fraction = PilotRunner::paths_of_all(kSkyPilot, settings) / expected_paths(settings, cpu);
   return choice;
 }
 
@@ -106,7 +96,7 @@ std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedSce
   SkyChoice choice;
   if (pilots) {
     choice = choose_sky_samples(*pilots, settings);
-    settings.kernels.shared_sky = choice.keeps_kernels;
+    settings.kernels.shared_sky &= choice.samples > 0; // which the next pilots share
   } else if (may_try_sky(settings, cpu) && may_sample_sky(settings, scene.features)) {
     return to_be_tried(kSkyPilot, settings, cpu);
   }

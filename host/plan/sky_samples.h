@@ -8,19 +8,11 @@
 
 namespace wavepath {
 
-struct SkyChoice {
+// `cost`: of the best number of untrained directions, relative to one direction.
+struct SkyChoice : PilotOutcome {
   // Directions a vertex; 0 = no pilot was made, since the render is short or no sky of one colour can be sampled.
   std::uint32_t samples = 0;
   bool trains = false; // the render starts with training where the sky is visible (learned_sky.glsl)
-  // Predicted squared error times work of the best number of untrained directions, relative to one direction.
-  double cost = 1.0;
-  double seconds = 0.0;        // wall time of the pilots, waiting for kernels and upload included
-  double render_seconds = 0.0; // part of `seconds` spent rendering
-  PilotPicture pilot;
-  double fraction = 0.0; // predicted ratio of the pilots' paths to the render's
-  // True if the render uses the kernels of the pilots (KernelCapacity::shared_sky). They take 1 % more time
-  // (StanfordDragon with one sky sample, llvmpipe), which is less than compiling others.
-  bool keeps_kernels = false;
 };
 
 // True if the render is long enough for pilots, whatever the scene, so that compiling kernels for them can begin before
@@ -32,8 +24,8 @@ bool may_try_sky(const RenderPlan& settings, bool cpu);
 // 1 / directions, and every direction costs the same work. Several directions pay where few paths reach the sky: 0.31x
 // to 0.45x time to equal error in Sponza with four, but 1.3x to 2.1x with a helmet or a dragon in the open. If several
 // pay and light selection is trained, the directions are trained as well. Work is counted, never timed. No pilot is
-// made if a number was given, or if the render has less than 20 times the paths of both pilots and of compiling for
-// them.
+// made if a number was given, or if the render has less than 64 times the paths of both pilots or 20 times the cost of
+// compiling for them.
 SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings);
 
 // Number of directions where several pay and they are trained: 7, if they fit. 5 take 1.15x the squared error times

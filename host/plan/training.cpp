@@ -8,9 +8,11 @@
 namespace wavepath {
 namespace {
 
-// P = kEqual^(1/4) R^(3/4): a pilot has as many paths as the render where these are kEqual. 22,000 paths for 4 samples
-// of 256x192 pixels, 178,000 for 64 (benchmarks/results/NOTES.md, Parts of an environment map).
-constexpr double kEqual = 32.0;
+// P = R / sqrt(sqrt(R / kEqual) + kLeast): of long renders kEqual^(1/4) R^(3/4) (benchmarks/results/NOTES.md, Parts of
+// an environment map). A path of training takes up to twice the time of one of the render, so that short renders would
+// give it a sixth of their time; they give it one path of 27 to 31. 7,000 paths for 4 samples of 256x192 pixels, 98,000
+// for 64.
+constexpr double kEqual = 32.0, kLeast = 708.0;
 // Samples of a render whose end nobody knows.
 constexpr double kFewSamples = 16.0;
 constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path in one cell
@@ -29,7 +31,8 @@ double reliable_paths(const RenderPlan& settings, bool cpu) {
 } // namespace
 
 std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu) {
-  const double paths = kEqual * std::pow(reliable_paths(settings, cpu) / kEqual, 0.75);
+  const double of_render = reliable_paths(settings, cpu);
+  const double paths = of_render / std::sqrt(std::sqrt(of_render / kEqual) + kLeast);
   return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
 }
 

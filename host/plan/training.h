@@ -8,10 +8,10 @@
 namespace wavepath {
 
 // Value of Training::paths for a render that stands alone (no part, and not to be merged). Longer renders train longer,
-// but with a smaller fraction of their paths. Training with P paths leaves a squared error in proportion to about 1 + a
-// / sqrt(P), and a render of R paths takes 1 + P / R of its time. The product is least where P grows as R^(2/3); by
-// measurement, a little faster. A render that ends at an error counts as short. A render that ends by time is taken to
-// have expected_paths() paths. `cpu`: the device is a CPU.
+// but with a smaller fraction of their paths, which is never more than 1/26. Training with P paths leaves a squared
+// error in proportion to about 1 + a / sqrt(P), and a render of R paths takes 1 + P / R of its time. The product is
+// least where P grows as R^(2/3); by measurement, a little faster. A render that ends at an error counts as short. A
+// render that ends by time is taken to have expected_paths() paths. `cpu`: the device is a CPU.
 std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu);
 
 // Value of Training::guide_iterations for such a render: one more than the default where that pays. A fifth iteration

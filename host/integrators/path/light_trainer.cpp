@@ -15,11 +15,10 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPartTrainingPaths = 1u << 16; // whole samples of a small picture within it; else one
 constexpr std::uint32_t kTrainingSeed = 0x6c8e9cf5u;
 
-// Pilot with about that many paths, of the render's size or smaller. 0: the fixed number of parts, at the render's
-// size.
+// Pilot with about that many paths, of the render's size or smaller. 0: that of parts, at the render's size: as many
+// whole samples as fit into kPartTrainingPaths, at least one.
 Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
   const FilmShape& whole = film.shape();
   const std::uint64_t pixels = film.pixels();

@@ -12,14 +12,13 @@
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
+#include "host/render/settings/worthwhile.h"
 #include "kernels/base/error_probes.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kAdaptivePass = 16; // samples
-// The noise pilot of `auto` is followed only if its relative cost is below this; higher costs may be chance.
-constexpr double kWorthwhile = 0.9; // the threshold of the other pilots (host/plan/pilots.h)
 
 // Windows, and renders that end by the clock, want to be asked again soon.
 std::uint32_t first_wave(const DeviceInfo& device, const LoopPolicy& policy, const RenderPlan& settings) {

@@ -1,12 +1,17 @@
 // Decides whether a render trains light selection, or parts of the sky, before its first sample.
 #pragma once
 
+#include <cstdint>
+
 #include "host/render/settings/render_plan.h"
 
 namespace wavepath {
 
 struct PackedScene;
 struct ScenePlan;
+
+// Paths of training in a part of a render, and in a pilot (Training::paths of 0).
+inline constexpr std::uint64_t kPartTrainingPaths = 1u << 16;
 
 // What of a scene decides about training: known of a packed scene, foretold by its plan.
 struct TrainingScene {
