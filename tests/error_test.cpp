@@ -116,16 +116,20 @@ struct Case {
   const char* scene;
   std::uint32_t sampler;
   float environment;
+  // Of the estimate over the truth. Samples of the whole picture are spread better than those of each of its
+  // replicates, by which smooth pictures have less error than their replicates tell.
+  double ratio = 1.0;
 };
 
 // Renders with 100 seeds: intervals hold the true error, and are no wider than they must be.
-void expect_coverage(Subject& subject, const Picture& reference) {
+void expect_coverage(Subject& subject, const Picture& reference, double expected_ratio) {
   constexpr std::uint32_t kRuns = 100;
   const auto& [covered, ratio, half_width] =
       measure_coverage(reference, kRuns, [&](std::uint32_t seed) { return subject.render(seed); });
   const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
   EXPECT_GE(covered, 90u);
   EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();
+  EXPECT_NEAR(ratio.mean(), expected_ratio, 0.03) << "half of what 12 % of the squared error would change it by";
   // No wider than it must be: the scatter of single estimates, and half of the 5 % by which a scene's weights may leave
   // the squared error wrong (error.cpp), for 95 %; the factor is for scenes whose error depends on few pixels.
   EXPECT_LT(half_width.mean(), 1.4 * 1.96 * std::hypot(scatter, 0.025));
@@ -146,19 +150,19 @@ TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   settings.sampler = c.sampler;
   Subject subject(device(), c.scene, settings, c.environment);
   if (c.scene == std::string("cornell_box.gltf"))
-    expect_coverage(subject, cornell_reference(device()));
+    expect_coverage(subject, cornell_reference(device()), c.ratio);
   else
-    expect_coverage(subject, subject.render(kReferenceSeed, kSamples * kReference).picture);
+    expect_coverage(subject, subject.render(kReferenceSeed, kSamples * kReference).picture, c.ratio);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Coverage,
                          ::testing::Values(Case{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f},
                                            Case{"cornell_box.gltf", gpu::kSamplerIndependent, 0.0f},
                                            Case{"cornell_box.gltf", gpu::kSamplerStratified, 0.0f},
-                                           Case{"showcase.glb", gpu::kSamplerSobol, 1.0f},
-                                           Case{"furnace_metal.gltf", gpu::kSamplerSobol, 1.0f},
+                                           Case{"showcase.glb", gpu::kSamplerSobol, 1.0f, 1.04},
+                                           Case{"furnace_metal.gltf", gpu::kSamplerSobol, 1.0f, 1.04},
                                            Case{"analytic/lights_of_all_sizes.gltf", gpu::kSamplerSobol, 0.0f},
-                                           Case{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f}),
+                                           Case{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f, 1.04}),
                          [](const auto& test) {
                            std::string name = std::to_string(test.index) + "_" + test.param.scene;
                            std::replace_if(
@@ -169,26 +173,26 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Coverage,
 // Where one pixel measures the error of its block.
 struct SampledCase {
   Case subject;
-  std::uint32_t samples;
+  std::uint32_t samples, side;
 };
 class ErrorProbesCoverage : public VulkanTest, public ::testing::WithParamInterface<SampledCase> {};
 
 TEST_P(ErrorProbesCoverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam().subject;
-  // 1024 probes, a quarter of what pictures have that are large enough for probes by default.
-  constexpr std::uint32_t kSide = 128, kReference = 64;
-  RenderPlan settings = small(kSide, GetParam().samples);
+  // 1024 or 576 probes, a quarter or a seventh of what pictures have that are large enough for probes by default.
+  constexpr std::uint32_t kReference = 64;
+  RenderPlan settings = small(GetParam().side, GetParam().samples);
   settings.sampler = c.sampler;
   settings.probes_from = 0;
   Subject subject(device(), c.scene, settings, c.environment);
   const Picture reference = subject.render(1000000, GetParam().samples * kReference).picture;
-  expect_coverage(subject, reference);
+  expect_coverage(subject, reference, c.ratio);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ErrorProbesCoverage,
-                         ::testing::Values(SampledCase{{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f}, 8},
-                                           SampledCase{{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f},
-                                                       16}));
+                         ::testing::Values(SampledCase{{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f}, 8, 128},
+                                           SampledCase{
+                                               {"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f}, 16, 96}));
 
 TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
   constexpr std::uint32_t kSide = 8, kRuns = 256;
