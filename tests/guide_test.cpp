@@ -506,14 +506,15 @@ TEST(GuideIterations, AreMoreInLongRenders) {
   settings.width = 256, settings.height = 192;
   const auto iterations = [&](std::uint32_t spp) {
     settings.last_sample = spp;
-    return guide_iterations(settings, true);
+    return guide_iterations(settings, DeviceClass::cpu);
   };
   EXPECT_EQ(iterations(1), kGuideIterations);
   EXPECT_EQ(iterations(64), kGuideIterations);
   EXPECT_EQ(iterations(256), kGuideIterations + 1);
   EXPECT_EQ(iterations(1u << 20), kGuideIterations + 1) << "the vertices of more would fill the memory";
   settings.last_sample = 256;
-  EXPECT_EQ(guide_iterations(settings, false), kGuideIterations) << "a GPU has rendered before the host has trained";
+  EXPECT_EQ(guide_iterations(settings, DeviceClass::gpu), kGuideIterations)
+      << "a GPU has rendered before the host has trained";
   settings.time_limit = 1.0;
   EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "as many paths as a CPU has in that time";
   settings.time_limit = 0.0, settings.target_error = 0.1;

@@ -209,7 +209,7 @@ TEST(LightTraining, IsLongerWhereTheRenderIs) {
   const double pixels = 256.0 * 192.0;
   const auto samples = [&](std::uint32_t spp) { // of a pixel
     settings.last_sample = spp;
-    return static_cast<double>(light_training_paths(settings, true)) / pixels;
+    return static_cast<double>(light_training_paths(settings, DeviceClass::cpu)) / pixels;
   };
   EXPECT_LT(samples(1), 0.25);
   EXPECT_GT(samples(64), 2.0);
@@ -225,7 +225,7 @@ TEST(LightTraining, IsLongerWhereTheRenderIs) {
   settings.time_limit = 0.0, settings.width = settings.height = 16384;
   EXPECT_LE(samples(65536) * pixels, 0x1p24) << "counts of picks have 32 bits";
   settings.time_limit = 1.0;
-  EXPECT_GT(light_training_paths(settings, false), 20 * light_training_paths(settings, true))
+  EXPECT_GT(light_training_paths(settings, DeviceClass::gpu), 20 * light_training_paths(settings, DeviceClass::cpu))
       << "a GPU renders more in it";
 }
 

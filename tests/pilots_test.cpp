@@ -34,16 +34,17 @@ struct Shares {
   double training, deciding;
 };
 Shares worst_case(const RenderPlan& render, bool learns) {
-  const double all = expected_paths(render, true), part = learns ? static_cast<double>(kPartTrainingPaths) : 0.0;
+  const double all = expected_paths(render, DeviceClass::cpu),
+               part = learns ? static_cast<double>(kPartTrainingPaths) : 0.0;
   const auto fraction = [&](const PilotRow& row, bool made) {
     return made ? PilotRunner::paths_of_all(row, render) / all : 0.0;
   };
-  const BearsReuse reuse = where_to_try_reuse(render, true);
+  const BearsReuse reuse = where_to_try_reuse(render, DeviceClass::cpu);
   const bool tries_reuse = reuse == BearsReuse::anywhere || (reuse == BearsReuse::untrained && !learns);
-  const bool integrators = is_affordable(kIntegratorPilot, render, true, part);
-  const bool again = integrators && is_affordable(kIntegratorPilotAgain, render, true);
-  const double training = learns ? static_cast<double>(light_training_paths(render, true)) / all : 0.0;
-  const double deciding = fraction(kSkyPilot, is_affordable(kSkyPilot, render, true)) +
+  const bool integrators = is_affordable(kIntegratorPilot, render, DeviceClass::cpu, part);
+  const bool again = integrators && is_affordable(kIntegratorPilotAgain, render, DeviceClass::cpu);
+  const double training = learns ? static_cast<double>(light_training_paths(render, DeviceClass::cpu)) / all : 0.0;
+  const double deciding = fraction(kSkyPilot, is_affordable(kSkyPilot, render, DeviceClass::cpu)) +
                           fraction(kIntegratorPilot, integrators) + fraction(kIntegratorPilotAgain, again) +
                           fraction(kReusePilot, tries_reuse) + (integrators || tries_reuse ? part / all : 0.0);
   return {training, deciding};
@@ -67,7 +68,7 @@ TEST(Pilots, LeaveRendersOfLessThanASecondAlone) {
     for (std::uint32_t spp = 1; spp <= 4096; spp *= 2) {
       const RenderPlan render = render_of(size, spp);
       if (paths_of(render) >= 1e6) continue;
-      const Shares shares = worst_case(render, true);
+      const Shares shares = worst_case(render, DeviceClass::cpu);
       EXPECT_EQ(shares.deciding, 0.0) << size.width << " " << spp;
       EXPECT_LE(shares.training, 1.0 / 26.0) << size.width << " " << spp;
       EXPECT_FALSE(may_pay_adaptive(render)) << size.width << " " << spp;
@@ -84,10 +85,11 @@ TEST(Pilots, LeaveEnoughForThatOfNoise) {
         if (!may_pay_adaptive(render)) continue;
         const Shares shares = worst_case(render, learns);
         const PilotRow& row = kIntegratorPilot;
-        const double untried = is_affordable(row, render, true, learns ? static_cast<double>(kPartTrainingPaths) : 0.0)
-                                   ? 2.0 / 3.0 * PilotRunner::paths_of_all(row, render) / expected_paths(render, true)
-                                   : 0.0;
-        const double noise = noise_pilot_fraction(render, true);
+        const double untried =
+            is_affordable(row, render, DeviceClass::cpu, learns ? static_cast<double>(kPartTrainingPaths) : 0.0)
+                ? 2.0 / 3.0 * PilotRunner::paths_of_all(row, render) / expected_paths(render, DeviceClass::cpu)
+                : 0.0;
+        const double noise = noise_pilot_fraction(render, DeviceClass::cpu);
         EXPECT_LE(noise, 1.0 / 32.0 + 1e-9) << size.width << " " << spp;
         EXPECT_LE(shares.training + shares.deciding - untried + noise, kPilotsOfRender)
             << size.width << " " << spp << " " << learns;

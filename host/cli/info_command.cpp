@@ -215,7 +215,8 @@ std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const Ren
   const std::vector<DeviceInfo> devices = list_devices();
   const DeviceInfo device = devices.empty() ? DeviceInfo{} : devices[choose_device(devices, "")];
   const PlanRequest asked{.settings = settings, .policy = Policy::rules, .stands_alone = stands_alone(request.render)};
-  std::vector<Decision> decisions = decide(asked, packed, devices.empty() || device.type == "cpu", nullptr).decisions;
+  std::vector<Decision> decisions =
+      decide(asked, packed, devices.empty() ? DeviceClass::cpu : class_of(device), nullptr).decisions;
   decisions.push_back(decision_of(choose_quality(settings, planned.triangles_stored, device)));
   return decisions;
 }

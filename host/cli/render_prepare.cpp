@@ -101,7 +101,7 @@ void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
                     .fits = [&](const RenderPlan& way) { return prepared.memory->fits(way); }};
   asked.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   PilotRunner pilots(*prepared.device, prepared.packed, prepared.view, *prepared.kernels, prepared.on_device);
-  prepared.plan = decide(asked, prepared.packed, pilots.is_cpu(), &pilots);
+  prepared.plan = decide(asked, prepared.packed, pilots.device_class(), &pilots);
   if (!request.render.bvh) prepared.plan.decisions.push_back(decision_of(prepared.packed.bvh_quality));
   if (request.render.pixel) prepared.plan.settings.looks_for_noise = false; // which decides about no single path
   for (const Decision& decision : prepared.plan.decisions)

@@ -67,8 +67,8 @@ RenderPlan pilot_of(const RenderPlan& settings, const Round& round = kFirstRound
 }
 
 // How many times the paths of a pilot the whole render has.
-double length_of(const RenderPlan& settings, bool cpu) {
-  return expected_paths(settings, cpu) / paths_of(pilot_of(settings));
+double length_of(const RenderPlan& settings, DeviceClass device) {
+  return expected_paths(settings, device) / paths_of(pilot_of(settings));
 }
 
 struct Tried {
@@ -88,10 +88,10 @@ double training_fraction(const RenderPlan& settings, const RenderResult& trial, 
 }
 
 // Whether to try the others after the first, in a render `length` times as long as a pilot.
-bool tries_others(const Tried& first, double length, bool may_lack_light, bool cpu) {
+bool tries_others(const Tried& first, double length, bool may_lack_light, DeviceClass device) {
   const double error = first.result.error.relative_rms;
   if (may_lack_light || error < kEasy) return may_lack_light;
-  const double trials = kTrialsOverFirst * first.work + (cpu ? kCpuKernels : kGpuKernels);
+  const double trials = kTrialsOverFirst * first.work + (is_cpu(device) ? kCpuKernels : kGpuKernels);
   const double whole_over_trials = error > kHopeless ? kWholeOverTrialsIfHopeless
                                    : error > kHard   ? kWholeOverTrialsIfHard
                                                      : kWholeOverTrials;
@@ -146,8 +146,9 @@ std::vector<std::size_t> contenders(const std::vector<Trial>& trials, std::size_
 }
 
 // Whether to try those again, in a render `length` times as long as a pilot.
-bool tries_again(const std::vector<Tried>& pilots, const std::vector<std::size_t>& which, double length, bool cpu) {
-  if (which.size() < 2 || !is_affordable(kIntegratorPilotAgain, pilots.front().settings, cpu)) return false;
+bool tries_again(const std::vector<Tried>& pilots, const std::vector<std::size_t>& which, double length,
+                 DeviceClass device) {
+  if (which.size() < 2 || !is_affordable(kIntegratorPilotAgain, pilots.front().settings, device)) return false;
   double work = 0.0, cheapest = std::numeric_limits<double>::infinity();
   for (const std::size_t i : which) {
     cheapest = std::min(cheapest, pilots[i].work);
@@ -212,13 +213,13 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
   const PilotStart start = pilots.start();
   const PackedScene& scene = pilots.scene();
   const std::vector<RenderPlan> all = candidates_of(settings, scene);
-  const bool cpu = pilots.is_cpu();
+  const DeviceClass device = pilots.device_class();
   choice.settings = all.front();
-  const double length = length_of(settings, cpu);
+  const double length = length_of(settings, device);
   if (all.size() < 2) return choice;
   const double training =
       trains_light_selection(scene, all.front()) ? static_cast<double>(kPartTrainingPaths) : 0.0; // of the first pilot
-  if (!is_affordable(kIntegratorPilot, settings, cpu, training)) {
+  if (!is_affordable(kIntegratorPilot, settings, device, training)) {
     const auto finder = std::ranges::find_if(all, [](const RenderPlan& way) { return way.integrator->splats; });
     if (finder == all.end() || !hides_lamps(scene, pilots.view()) || !fits(*finder)) return choice;
     choice.settings = *finder;
@@ -247,7 +248,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
     choice.taken = best_of(choice.trials);
   };
   tried.push_back(try_out(candidates.front(), kFirstRound));
-  if (tries_others(tried[0], length, may_lose_light(scene), cpu)) {
+  if (tries_others(tried[0], length, may_lose_light(scene), device)) {
     for (std::size_t i = 1; i < candidates.size(); ++i) {
       try {
         tried.push_back(try_out(candidates[i], kFirstRound));
@@ -258,7 +259,7 @@ IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderPlan& settin
   }
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
-  if (choice.taken > 0 && tries_again(tried, close, length, cpu)) {
+  if (choice.taken > 0 && tries_again(tried, close, length, device)) {
     for (const std::size_t i : close) tried[i] = try_out(tried[i].settings, kSecondRound);
     judge_all();
   }

@@ -11,15 +11,15 @@
 
 namespace wavepath {
 
-bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu, double training_paths) {
+bool is_affordable(const PilotRow& row, const RenderPlan& render, DeviceClass device, double training_paths) {
   const double paths = PilotRunner::paths_of_all(row, render) + training_paths;
-  return may_make_pilots(render, cpu) && expected_paths(render, cpu) >= row.render_over_pilots * paths;
+  return may_make_pilots(render, device) && expected_paths(render, device) >= row.render_over_pilots * paths;
 }
 
-Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu) {
+Decision to_be_tried(const PilotRow& row, const RenderPlan& render, DeviceClass device) {
   Decision decision{.what = row.decides, .taken = "auto"};
   decision.pilot = PilotRunner::picture_of(row, render);
-  decision.fraction = PilotRunner::paths_of_all(row, render) / expected_paths(render, cpu);
+  decision.fraction = PilotRunner::paths_of_all(row, render) / expected_paths(render, device);
   decision.why = fmt::format("pilots of {}x{} pixels, {} samples, decide", decision.pilot.width, decision.pilot.height,
                              row.samples);
   return decision;
@@ -32,7 +32,7 @@ PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& v
       view_(view),
       kernels_(kernels),
       shared_(shared),
-      cpu_(device.info().type == "cpu") {}
+      device_class_(class_of(device.info())) {}
 
 RenderPlan PilotRunner::settings_of(const PilotRow& row, const RenderPlan& render) {
   RenderPlan pilot = pilot_settings(render, row.side, row.samples);
@@ -53,7 +53,7 @@ PilotOutcome PilotRunner::outcome_since(const PilotStart& start, const PilotRow&
   return {.seconds = seconds_since(start.time),
           .render_seconds = render_seconds_ - start.render_seconds,
           .pilot = picture_of(row, render),
-          .fraction = (paths_ - start.paths) / expected_paths(render, cpu_)};
+          .fraction = (paths_ - start.paths) / expected_paths(render, device_class_)};
 }
 
 PilotRender PilotRunner::run(RenderPlan pilot) {
@@ -77,8 +77,8 @@ PilotRender PilotRunner::run(RenderPlan pilot) {
   render_seconds_ += made.result.seconds;
   paths_ += paths_of(pilot) + static_cast<double>(made.result.light_training.paths);
   made.light = light_of(*made.result.film);
-  made.steady_work = steady_work(pilot, made.result, cpu_);
-  made.training_work = std::max(0.0, pilot.integrator->work(pilot, made.result.rays, cpu_) - made.steady_work);
+  made.steady_work = steady_work(pilot, made.result, device_class_);
+  made.training_work = std::max(0.0, pilot.integrator->work(pilot, made.result.rays, device_class_) - made.steady_work);
   loop_ = std::move(loop);
   return made;
 }

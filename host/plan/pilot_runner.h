@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "host/base/clock.h"
+#include "host/gpu/device_class.h"
 #include "host/plan/decision.h"
 #include "host/plan/pilots.h"
 #include "host/render/loop/render_loop.h"
@@ -29,8 +30,8 @@ struct PilotRender {
 };
 
 // True if the render is long enough to make pilots at all, and has at least row.render_over_pilots times the paths of
-// all pictures of the row and of their training. `cpu`: the device is a CPU.
-bool is_affordable(const PilotRow& row, const RenderPlan& render, bool cpu, double training_paths = 0.0);
+// all pictures of the row and of their training. `device`: class of the device that renders.
+bool is_affordable(const PilotRow& row, const RenderPlan& render, DeviceClass device, double training_paths = 0.0);
 
 // State of a PilotRunner before a decision.
 struct PilotStart {
@@ -39,7 +40,7 @@ struct PilotStart {
 };
 
 // What the pilots of a row would decide, before they are made.
-Decision to_be_tried(const PilotRow& row, const RenderPlan& render, bool cpu);
+Decision to_be_tried(const PilotRow& row, const RenderPlan& render, DeviceClass device);
 
 class PilotRunner {
 public:
@@ -65,7 +66,7 @@ public:
   const View& view() const { return view_; }
   KernelCompiler& kernels() { return kernels_; }
   SceneOnDevice& shared() { return shared_; }
-  bool is_cpu() const { return cpu_; }
+  DeviceClass device_class() const { return device_class_; }
 
 private:
   Device& device_;
@@ -73,7 +74,7 @@ private:
   const View& view_;
   KernelCompiler& kernels_;
   SceneOnDevice& shared_;
-  bool cpu_;
+  DeviceClass device_class_;
   double render_seconds_ = 0.0; // of all pilots so far
   double paths_ = 0.0;          // likewise, with those that trained
   std::unique_ptr<RenderLoop> loop_;

@@ -39,19 +39,19 @@ Decision decide_lights(const RenderPlan& settings, const PackedScene& scene, boo
 }
 
 // Fraction of the render's paths that earlier pilots and training take.
-double spent(const Plan& plan, const PackedScene& scene, bool cpu) {
+double spent(const Plan& plan, const PackedScene& scene, DeviceClass device) {
   double sum = 0.0;
   for (const Decision& decision : plan.decisions) sum += decision.fraction;
   if (trains_light_selection(scene, plan.settings))
-    sum += static_cast<double>(plan.settings.training.paths) / expected_paths(plan.settings, cpu);
+    sum += static_cast<double>(plan.settings.training.paths) / expected_paths(plan.settings, device);
   return sum;
 }
 
-void decide_integrator(Plan& plan, const PlanRequest& request, bool cpu, PilotRunner* pilots) {
+void decide_integrator(Plan& plan, const PlanRequest& request, DeviceClass device, PilotRunner* pilots) {
   RenderPlan& settings = plan.settings;
   if (!settings.integrator.is_auto()) return;
   if (!pilots) {
-    plan.decisions.push_back(to_be_tried(kIntegratorPilot, settings, cpu));
+    plan.decisions.push_back(to_be_tried(kIntegratorPilot, settings, device));
     return;
   }
   const IntegratorChoice choice = choose_integrator(*pilots, settings, request.fits);
@@ -81,18 +81,18 @@ RenderPlan as_told(RenderPlan settings, bool looks_for_noise) {
 
 void foresee(RenderPlan& settings, Policy policy, bool stands_alone) {
   const bool pilots = policy == Policy::pilots;
-  settings.kernels.shared_sky = pilots && may_try_sky(settings, true); // the device is not known yet
-  settings.kernels.reuse = pilots ? where_to_try_reuse(settings, true) : BearsReuse::nowhere;
+  settings.kernels.shared_sky = pilots && may_try_sky(settings, DeviceClass::cpu); // the device is not known yet
+  settings.kernels.reuse = pilots ? where_to_try_reuse(settings, DeviceClass::cpu) : BearsReuse::nowhere;
   settings.looks_for_noise = pilots && stands_alone && may_pay_adaptive(settings);
 }
 
-Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+Plan decide(const PlanRequest& request, const PackedScene& scene, DeviceClass device, PilotRunner* pilots) {
   Plan plan{.settings = request.settings};
   RenderPlan& settings = plan.settings;
   const auto add = [&](std::optional<Decision> decision) {
     if (decision) plan.decisions.push_back(std::move(*decision));
   };
-  if (request.stands_alone && request.policy != Policy::as_told) set_training_lengths(settings, cpu);
+  if (request.stands_alone && request.policy != Policy::as_told) set_training_lengths(settings, device);
   if (request.recorded) apply(*request.recorded, settings);
   if (request.training_paths) settings.training.paths = *request.training_paths;
   if (request.guide_iterations) settings.training.guide_iterations = *request.guide_iterations;
@@ -102,12 +102,12 @@ Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, Pilo
       for (const auto& [name, value] : request.recorded->values)
         plan.decisions.push_back({.what = setting_named(name).name, .taken = value, .why = "recorded"});
   } else {
-    add(decide_sky_samples(settings, scene, cpu, pilots));
-    decide_integrator(plan, request, cpu, pilots);
+    add(decide_sky_samples(settings, scene, device, pilots));
+    decide_integrator(plan, request, device, pilots);
     // Last of the pilots: what tells whether others are worth trying is the error of paths that share nothing.
-    add(decide_reuse(settings, scene, cpu, pilots));
-    if (!cpu || expected_paths(settings, cpu) >= kCpuKeepsKernels) settings.kernels.shared_sky = false;
-    add(decide_adaptive(settings, request.stands_alone, cpu, spent(plan, scene, cpu)));
+    add(decide_reuse(settings, scene, device, pilots));
+    if (!is_cpu(device) || expected_paths(settings, device) >= kCpuKeepsKernels) settings.kernels.shared_sky = false;
+    add(decide_adaptive(settings, request.stands_alone, device, spent(plan, scene, device)));
     if (pilots) replace_autos(settings); // said plainly, once all pilots are made
   }
   if (is_auto(setting_named("light-samples"), settings))

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/gpu/device_class.h"
 #include "host/plan/decision.h"
 #include "host/plan/record.h"
 #include "host/render/settings/render_plan.h"
@@ -51,7 +52,7 @@ void foresee(RenderPlan& settings, Policy policy, bool stands_alone);
 
 // Makes the plan, in this order: training lengths, sky samples, integrator, reuse, adaptivity. `cpu`: the device is a
 // CPU. `pilots`: runs pilots of `scene`; null unless the policy is Policy::pilots.
-Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, PilotRunner* pilots);
+Plan decide(const PlanRequest& request, const PackedScene& scene, DeviceClass device, PilotRunner* pilots);
 
 // Completes the decisions by what the render itself found at its start: whether samples were distributed by noise, and
 // what training learned.

@@ -34,17 +34,17 @@ Decision decision_of(const ReuseChoice& choice, const RenderPlan& settings) {
 
 } // namespace
 
-BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu) {
-  if (settings.reuse != kReuseAuto || !is_affordable(kReusePilot, settings, cpu)) return BearsReuse::nowhere;
+BearsReuse where_to_try_reuse(const RenderPlan& settings, DeviceClass device) {
+  if (settings.reuse != kReuseAuto || !is_affordable(kReusePilot, settings, device)) return BearsReuse::nowhere;
   const double trained = PilotRunner::paths_of_all(kReusePilot, settings) + static_cast<double>(kPartTrainingPaths);
-  return expected_paths(settings, cpu) < kRenderOverTrained * trained ? BearsReuse::untrained : BearsReuse::anywhere;
+  return expected_paths(settings, device) < kRenderOverTrained * trained ? BearsReuse::untrained : BearsReuse::anywhere;
 }
 
 ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
-  const bool cpu = pilots.is_cpu();
+  const DeviceClass device = pilots.device_class();
   RenderPlan trying = settings;
-  trying.kernels.reuse = where_to_try_reuse(settings, cpu);
-  const bool keeps_kernels = cpu && expected_paths(settings, cpu) < kCpuKeepsKernels;
+  trying.kernels.reuse = where_to_try_reuse(settings, device);
+  const bool keeps_kernels = is_cpu(device) && expected_paths(settings, device) < kCpuKeepsKernels;
   ReuseChoice choice;
   if (!tries_reuse(trying, pilots.scene().features)) { // a CPU had better not compile others now
     choice.kernels_bear = keeps_kernels ? settings.kernels.reuse : BearsReuse::nowhere;
@@ -63,7 +63,8 @@ ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings) {
   return choice;
 }
 
-std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, DeviceClass device,
+                                     PilotRunner* pilots) {
   if (!is_auto(setting_named(kReusePilot.decides), settings)) return std::nullopt;
   ReuseChoice choice;
   if (pilots) {
@@ -71,8 +72,8 @@ std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& sc
     settings.kernels.reuse = choice.kernels_bear;
   } else {
     RenderPlan trying = settings;
-    trying.kernels.reuse = where_to_try_reuse(settings, cpu);
-    if (tries_reuse(trying, scene.features)) return to_be_tried(kReusePilot, settings, cpu);
+    trying.kernels.reuse = where_to_try_reuse(settings, device);
+    if (tries_reuse(trying, scene.features)) return to_be_tried(kReusePilot, settings, device);
   }
   settings.reuse = choice.pays ? kReuseOn : kReuseOff;
   return decision_of(choice, settings);

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "host/gpu/device_class.h"
 #include "host/plan/decision.h"
 #include "host/plan/pilot_runner.h"
 
@@ -18,7 +19,7 @@ struct ReuseChoice : PilotOutcome {
 
 // The scenes for which the render is long enough to try reuse, as a value of KernelCapacity::reuse. Compiling kernels
 // that support reuse can so begin before the scene is known.
-BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu);
+BearsReuse where_to_try_reuse(const RenderPlan& settings, DeviceClass device);
 
 // Renders one pilot with reuse and one without, and compares squared error times work. Reuse pays where light arrives
 // by diffuse surfaces: 0.3x of the squared error in a Cornell box. It does not pay where most noise comes from direct
@@ -26,6 +27,7 @@ BearsReuse where_to_try_reuse(const RenderPlan& settings, bool cpu);
 ReuseChoice choose_reuse(PilotRunner& pilots, const RenderPlan& settings);
 
 // Replaces `auto` by on or off. Without pilots it stays where some could be made. No decision if a value was given.
-std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, bool cpu, PilotRunner* pilots);
+std::optional<Decision> decide_reuse(RenderPlan& settings, const PackedScene& scene, DeviceClass device,
+                                     PilotRunner* pilots);
 
 } // namespace wavepath

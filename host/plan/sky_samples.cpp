@@ -51,16 +51,16 @@ Decision decision_of(const SkyChoice& choice, const RenderPlan& settings) {
 
 } // namespace
 
-bool may_try_sky(const RenderPlan& settings, bool cpu) {
+bool may_try_sky(const RenderPlan& settings, DeviceClass device) {
   return settings.sky_samples == 0 && supports(*settings.integrator, "sky-samples") &&
-         is_affordable(kSkyPilot, settings, cpu);
+         is_affordable(kSkyPilot, settings, device);
 }
 
 SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderPlan& settings) {
-  const bool cpu = pilots.is_cpu();
+  const DeviceClass device = pilots.device_class();
   const gpu::Feature features = pilots.scene().features;
-  const bool longer = expected_paths(settings, cpu) >= kCpuSkyKernels;
-  if (!may_try_sky(settings, cpu) || !may_sample_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
+  const bool longer = expected_paths(settings, device) >= kCpuSkyKernels;
+  if (!may_try_sky(settings, device) || !may_sample_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
     return {};
   const PilotStart start = pilots.start();
   const auto measure = [&](std::uint32_t sky_samples) {
@@ -90,15 +90,15 @@ std::uint32_t learned_sky_samples(const RenderPlan& settings, gpu::Feature scene
   return std::min(kBest, direct_sampling(settings, scene).sky_that_fits());
 }
 
-std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, bool cpu,
+std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, DeviceClass device,
                                            PilotRunner* pilots) {
   if (!is_auto(setting_named(kSkyPilot.decides), settings)) return std::nullopt;
   SkyChoice choice;
   if (pilots) {
     choice = choose_sky_samples(*pilots, settings);
     settings.kernels.shared_sky &= choice.samples > 0; // which the next pilots share
-  } else if (may_try_sky(settings, cpu) && may_sample_sky(settings, scene.features)) {
-    return to_be_tried(kSkyPilot, settings, cpu);
+  } else if (may_try_sky(settings, device) && may_sample_sky(settings, scene.features)) {
+    return to_be_tried(kSkyPilot, settings, device);
   }
   if (choice.samples > 1) settings.sky_samples = choice.samples; // 0 is 1 as well
   return decision_of(choice, settings);

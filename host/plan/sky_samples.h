@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "host/gpu/device_class.h"
 #include "host/plan/decision.h"
 #include "host/plan/pilot_runner.h"
 
@@ -17,7 +18,7 @@ struct SkyChoice : PilotOutcome {
 
 // True if the render is long enough for pilots, whatever the scene, so that compiling kernels for them can begin before
 // the scene is known (KernelCapacity::shared_sky).
-bool may_try_sky(const RenderPlan& settings, bool cpu);
+bool may_try_sky(const RenderPlan& settings, DeviceClass device);
 
 // Renders one pilot with one direction a vertex and one with four, and chooses the number with the least squared error
 // times work. The model has two terms each: the light of the sky contributes a part of the squared error that falls as
@@ -34,7 +35,7 @@ std::uint32_t learned_sky_samples(const RenderPlan& settings, gpu::Feature scene
 
 // Replaces `auto` by a number where several pay. No decision if a number was given. `pilots`: null if none are to be
 // made.
-std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, bool cpu,
+std::optional<Decision> decide_sky_samples(RenderPlan& settings, const PackedScene& scene, DeviceClass device,
                                            PilotRunner* pilots);
 
 } // namespace wavepath

@@ -22,28 +22,28 @@ constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path
 constexpr double kCpuFurtherIteration = 8e6, kGpuFurtherIteration = 8e8;
 
 // Of the render, as far as pilots may rely on it.
-double reliable_paths(const RenderPlan& settings, bool cpu) {
-  const double paths = expected_paths(settings, cpu);
+double reliable_paths(const RenderPlan& settings, DeviceClass device) {
+  const double paths = expected_paths(settings, device);
   const double few = kFewSamples * static_cast<double>(settings.width) * settings.height;
   return settings.target_error > 0.0 ? std::min(paths, few) : paths;
 }
 
 } // namespace
 
-std::uint64_t light_training_paths(const RenderPlan& settings, bool cpu) {
-  const double of_render = reliable_paths(settings, cpu);
+std::uint64_t light_training_paths(const RenderPlan& settings, DeviceClass device) {
+  const double of_render = reliable_paths(settings, device);
   const double paths = of_render / std::sqrt(std::sqrt(of_render / kEqual) + kLeast);
   return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
 }
 
-std::uint32_t guide_iterations(const RenderPlan& settings, bool cpu) {
-  const bool pays = reliable_paths(settings, cpu) >= (cpu ? kCpuFurtherIteration : kGpuFurtherIteration);
+std::uint32_t guide_iterations(const RenderPlan& settings, DeviceClass device) {
+  const bool pays = reliable_paths(settings, device) >= (is_cpu(device) ? kCpuFurtherIteration : kGpuFurtherIteration);
   return kGuideIterations + (pays ? 1 : 0);
 }
 
-void set_training_lengths(RenderPlan& settings, bool cpu) {
-  settings.training.paths = light_training_paths(settings, cpu);
-  settings.training.guide_iterations = guide_iterations(settings, cpu);
+void set_training_lengths(RenderPlan& settings, DeviceClass device) {
+  settings.training.paths = light_training_paths(settings, device);
+  settings.training.guide_iterations = guide_iterations(settings, device);
 }
 
 } // namespace wavepath

@@ -27,21 +27,21 @@ double paths_of(const RenderPlan& settings) {
   return static_cast<double>(settings.width) * settings.height * samples;
 }
 
-double expected_paths(const RenderPlan& settings, bool cpu) {
+double expected_paths(const RenderPlan& settings, DeviceClass device) {
   const double asked = paths_of(settings);
   if (!(settings.time_limit > 0.0)) return asked;
-  return std::min(asked, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
+  return std::min(asked, settings.time_limit * (is_cpu(device) ? kCpuPaths : kGpuPaths));
 }
 
-bool may_make_pilots(const RenderPlan& settings, bool cpu) {
+bool may_make_pilots(const RenderPlan& settings, DeviceClass device) {
   const bool ends_before = settings.time_limit > 0.0 && settings.time_limit < 1.0;
-  return !ends_before && paths_of(settings) >= (cpu ? kCpuPathsOfASecond : kGpuPathsOfASecond);
+  return !ends_before && paths_of(settings) >= (is_cpu(device) ? kCpuPathsOfASecond : kGpuPathsOfASecond);
 }
 
-double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu) {
+double steady_work(const RenderPlan& settings, const RenderResult& result, DeviceClass device) {
   const std::size_t count = result.checkpoints.size();
-  if (count < 2) return settings.integrator->work(settings, result.rays, cpu);
-  return 2.0 * settings.integrator->work(settings, minus(result.rays, result.checkpoints[count - 2].rays), cpu);
+  if (count < 2) return settings.integrator->work(settings, result.rays, device);
+  return 2.0 * settings.integrator->work(settings, minus(result.rays, result.checkpoints[count - 2].rays), device);
 }
 
 } // namespace wavepath

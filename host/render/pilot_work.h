@@ -1,6 +1,7 @@
 // Lengths of renders in paths, and the counted work of pilots, by which decisions weigh errors.
 #pragma once
 
+#include "host/gpu/device_class.h"
 #include "host/render/render.h"
 
 namespace wavepath {
@@ -9,14 +10,14 @@ namespace wavepath {
 double paths_of(const RenderPlan& settings);
 
 // The same for a render that may be limited by time. The number then depends on the type of the device alone, so that
-// decisions depend on no clock. `cpu`: the device is a CPU.
-double expected_paths(const RenderPlan& settings, bool cpu);
+// decisions depend on no clock. `device`: class of the device that renders.
+double expected_paths(const RenderPlan& settings, DeviceClass device);
 
 // True if the render may make pilots: it must be predicted to take at least a second.
-bool may_make_pilots(const RenderPlan& settings, bool cpu);
+bool may_make_pilots(const RenderPlan& settings, DeviceClass device);
 
 // Work of the samples of a pilot, in camera rays of `path` (IntegratorKind::work). Training before the first sample
 // does not count: the result is twice the work of the last half.
-double steady_work(const RenderPlan& settings, const RenderResult& result, bool cpu);
+double steady_work(const RenderPlan& settings, const RenderResult& result, DeviceClass device);
 
 } // namespace wavepath

@@ -136,7 +136,7 @@ private:
   // As the command that repeats it does (study_report.cpp).
   RenderResult render_one(RenderPlan settings, KernelCompiler& kernels, const std::string& what) {
     settings = as_told(settings);
-    set_training_lengths(settings, device_.info().type == "cpu");
+    set_training_lengths(settings, class_of(device_.info()));
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };

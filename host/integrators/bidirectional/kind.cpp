@@ -65,7 +65,7 @@ std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene
 }
 
 // 1.0 to 1.95 times what path tracing takes for as many rays (eleven scenes of benchmarks/light_table.py; llvmpipe).
-double work(const RenderPlan&, const RayCounts& rays, bool) {
+double work(const RenderPlan&, const RayCounts& rays, DeviceClass) {
   return 1.5 * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
 }
 

@@ -83,8 +83,9 @@ std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene
 }
 
 // Work of these rays, in camera rays: shadow rays end at the first hit. Rays of pilots are counted separately.
-double work(const RenderPlan& settings, const RayCounts& rays, bool cpu) {
-  const double guided = settings.guide ? (cpu ? 1.45 : 1.4) : 1.0; // shade reads the field: 1.3 to 1.85 on llvmpipe
+double work(const RenderPlan& settings, const RayCounts& rays, DeviceClass device) {
+  const double guided =
+      settings.guide ? (is_cpu(device) ? 1.45 : 1.4) : 1.0; // shade reads the field: 1.3 to 1.85 on llvmpipe
   // Work of reuse besides its rays, for storing and weighing vertices: 0.1 to 1 of a camera ray (llvmpipe).
   const double shared = reuses_paths(settings) ? 0.6 * static_cast<double>(rays.camera) : 0.0;
   return shared + guided * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));

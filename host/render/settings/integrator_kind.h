@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "host/gpu/device_class.h"
 #include "host/render/settings/memory_item.h"
 #include "host/render/settings/render_plan.h"
 
@@ -95,8 +96,8 @@ struct IntegratorKind {
   std::vector<RenderPlan> (*candidates)(const RenderPlan& settings, const PackedScene& scene) = nullptr;
   // Settings of such a kind that auto does not take, mostly because it decides them.
   std::span<const std::string_view> not_by_auto{};
-  // Work of these rays, for candidates. Unit: one camera ray of `path`. `cpu`: the device is a CPU.
-  double (*work)(const RenderPlan& settings, const RayCounts& rays, bool cpu) = nullptr;
+  // Work of these rays, for candidates. Unit: one camera ray of `path`. `device`: class of the device that renders.
+  double (*work)(const RenderPlan& settings, const RayCounts& rays, DeviceClass device) = nullptr;
 };
 
 // All integrators, the default one first. host/integrators/factory.cpp defines the list; no other file does.
