@@ -15,6 +15,7 @@
 #include "host/cli/report.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
+#include "host/passes/passes.h"
 #include "host/picture/files/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/settings/identity.h"
@@ -160,6 +161,22 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.world_to_ndc = read_matrix(part, "worldToNDC");
 }
 
+// Passes of the parts; all have those of the first, or the picture lacks them.
+void add_passes_of(const std::vector<std::string>& parts, const Picture& first, Picture& picture) {
+  std::vector<Picture> pictures{first};
+  std::vector<std::uint32_t> samples;
+  for (std::size_t i = 1; i < parts.size(); ++i) pictures.push_back(read_picture(parts[i]));
+  for (const std::string& part : parts) {
+    std::uint32_t count = 0;
+    for (const Range& range : read_ranges(part)) count += range.end - range.first;
+    samples.push_back(count);
+  }
+  join_passes(picture, pictures, samples);
+  for (const std::string& name : pass_texts())
+    if (const std::string text = read_attribute(parts.front(), name); !text.empty())
+      picture.texts.emplace_back(name, text);
+}
+
 void print_merged(const MergeCommandRequest& request, const Picture& picture, const PictureInfo& info,
                   const ErrorEstimate& error) {
   print_err("wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
@@ -184,6 +201,7 @@ int run_merge(MergeCommandRequest& request) {
   Picture picture = develop(*film, aovs_of(part), info.origin);
   if (find_channel(part, std::string(kShownPrefix) + "R") && !film->aovs.empty())
     add_denoised(picture, *film, kDenoiseOn); // filtered pictures do not add up: the sums are filtered anew
+  add_passes_of(request.parts, part, picture);
   const ErrorEstimate error = estimate_error(*film);
   for (const Range& range : ranges) info.spp += range.end - range.first;
   if (has_estimate(info.spp, error)) info.error = error.relative_rms;

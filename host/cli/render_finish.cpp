@@ -12,9 +12,11 @@
 #include "host/cli/report.h"
 #include "host/cli/resume.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/passes/passes.h"
 #include "host/render/denoised.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/pass_names.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -94,6 +96,22 @@ MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepar
   return missing;
 }
 
+// Passes of --aov, which no sample is needed for.
+void add_passes_if_asked(Prepared& prepared, RenderResult& result, const MultiDeviceResult* shared) {
+  RenderPlan settings = prepared.plan.settings;
+  if (std::ranges::none_of(settings.aovs, is_pass)) return;
+  settings.last_sample = settings.first_sample + std::max(result.spp, 1u);
+  const RenderingDevice on = surviving(prepared, shared);
+  SceneOnDevice elsewhere;
+  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+  why_not_measured(prepared, "passes of --aov were", [&] {
+    if (!add_passes(
+            *on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, [] { return true; },
+            result.picture))
+      prepared.warnings.add("interrupted before all passes of --aov were found");
+  });
+}
+
 // Writes the pictures and reports what the run measured.
 void write_and_report(const RenderCommandRequest& request, Prepared& prepared, const Rendered& rendered, Run& run,
                       Attempts& attempts) {
@@ -140,6 +158,7 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& re
   RenderResult& result = rendered.result;
   Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
   attempts.attempt([&] { denoise_if_asked(result, settings); });
+  add_passes_if_asked(prepared, result, rendered.shared ? &*rendered.shared : nullptr);
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   run.plan = prepared.plan.decisions;

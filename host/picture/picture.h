@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wavepath {
@@ -17,6 +18,8 @@ struct Picture {
   std::uint32_t width = 0, height = 0;
   std::vector<Channel> channels; // R G B A first
   bool display = false;          // true if read from a file of 8 or 16 bits with display values
+  // Header attributes of an EXR that explain its channels: name, text.
+  std::vector<std::pair<std::string, std::string>> texts{};
 };
 
 } // namespace wavepath

@@ -55,6 +55,7 @@ struct Instance {
   std::uint32_t mesh = 0;
   // Affine, finite, invertible: the loader makes a flat matrix a flat mesh and drops others with a warning.
   glm::dmat4 world_from_object{1.0};
+  std::uint32_t node = kNoIndex; // of the file, that shows it; kNoIndex: no node does
 };
 
 struct Camera {
@@ -95,6 +96,7 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
+  std::vector<std::string> node_names; // by node of the file; empty where it has no name
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   Environment environment;

@@ -72,7 +72,7 @@ void add(Hash& hash, const Mesh& mesh) {
 }
 
 void add(Hash& hash, const Instance& instance) {
-  const auto& [mesh, world_from_object] = instance;
+  const auto& [mesh, world_from_object, node] = instance; // node: a name of it
   hash.add(mesh);
   hash.add(world_from_object);
 }
@@ -107,8 +107,8 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
-  const auto& [path, files, images, materials, meshes, instances, cameras, lights, environment, extensions_used,
-               warnings] = scene;
+  const auto& [path, files, images, materials, meshes, instances, node_names, cameras, lights, environment,
+               extensions_used, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);

@@ -117,7 +117,8 @@ GPU_CONSTANT uint kSortNone = 0u, kSortHits = 1u, kSortEscapes = 2u; // escapes 
 GPU_CONSTANT uint kSkyByPaths = 0u, kSkyByShadowRays = 1u;           // besides paths
 GPU_CONSTANT uint kReuseNone = 0u, kReuseQuads = 1u;                 // see kernels/path/reuse.glsl
 GPU_CONSTANT uint kMostLightSamples = 8u;
-GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
+GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u,
+                  kFilterCentre = 3u; // every ray through the middle of its pixel: host/integrators/path/first_hits.h
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -35,6 +35,7 @@ vec2 sample_blackman_harris(vec2 v) {
 
 // Offset from the pixel's centre, in pixels.
 vec2 sample_filter(vec2 u) {
+  if (kFilter == kFilterCentre) return vec2(0.0);
   vec2 v = signed_unit(u);
   if (kFilter == kFilterBox) return 0.5 * v;
   vec2 bell = kFilter == kFilterGaussian ? sample_gaussian(v) : sample_blackman_harris(v);

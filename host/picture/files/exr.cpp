@@ -97,7 +97,8 @@ Imath::M44f world_to_ndc(const View& view) {
 // Channels that --half leaves at 32 bits: half holds all whole numbers only up to 2048, and ends at 65504, which
 // distances and positions may exceed; the depth of a miss always does.
 bool needs_float(const std::string& name) {
-  return name == "samples" || name == "Z" || name.starts_with("P.") || name.starts_with("id.");
+  return name == "samples" || name == "Z" || name == "Z0" || name.starts_with("P.") || name.starts_with("P0.") ||
+         name.starts_with("id.") || name.starts_with("Crypto");
 }
 
 Imath::M44f to_matrix(const std::array<float, 16>& values) {
@@ -196,6 +197,7 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
     for (const std::string& channel : film_channels(info.film->shape()))
       header.channels().insert(channel, Imf::Channel(Imf::UINT));
   }
+  for (const auto& [name, text] : picture.texts) add_text(name.c_str(), text);
   header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
   header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
   if (info.view) {

@@ -1,6 +1,9 @@
 #include "host/render/settings/denoising.h"
 
+#include <algorithm>
+
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/pass_names.h"
 
 namespace wavepath {
 
@@ -8,6 +11,8 @@ bool denoises_film(const RenderPlan& settings) {
   return settings.denoise != kDenoiseOff && settings.integrator->traces_paths;
 }
 
-bool records_aovs(const RenderPlan& settings) { return !settings.aovs.empty() || denoises_film(settings); }
+bool records_aovs(const RenderPlan& settings) {
+  return !std::ranges::all_of(settings.aovs, is_pass) || denoises_film(settings);
+}
 
 } // namespace wavepath

@@ -10,6 +10,7 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/pass_names.h"
 #include "host/render/settings/path_reuse.h"
 
 namespace wavepath {
@@ -43,7 +44,10 @@ std::vector<std::string_view> rare_aovs() {
 }
 
 std::string aov_meaning() {
-  std::string text = fmt::format("extra EXR channels, separated by commas: {}", fmt::join(kCommonAovs, ", "));
+  std::string text = fmt::format(
+      "extra EXR channels, separated by commas: {}. Apart from the samples, by rays through the "
+      "centres of pixels (cryptomatte: by the rays of all samples): {}",
+      fmt::join(kCommonAovs, ", "), fmt::join(kPassNames, ", "));
   for (const std::string_view name : rare_aovs())
     text += fmt::format(". {}: only with --integrator {}", name, aov_supporters_text(name));
   return text;
@@ -62,6 +66,7 @@ std::string integrator_meaning() {
 
 void read_aovs(const FlagValue& value, S& settings) {
   std::vector<std::string_view> names = rare_aovs();
+  names.insert(names.begin(), kPassNames.begin(), kPassNames.end());
   names.insert(names.begin(), kCommonAovs.begin(), kCommonAovs.end());
   settings.aovs = value.list(names);
 }

@@ -249,6 +249,7 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
   gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
   Import import{document, scene, gltf::world_matrices(document), options.shutter.has_value()};
+  for (const tinygltf::Node& node : document.model.nodes) scene.node_names.push_back(node.name);
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   const std::vector<bool> hidden = gltf::hidden_nodes(document);
   for (const int node_index : nodes)
@@ -262,7 +263,10 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
     const tinygltf::Node& node = document.model.nodes[index];
     if (node.camera >= 0) place_camera(import, index); // visibility affects no cameras
     if (hidden[index]) continue;
+    const std::size_t placed = scene.instances.size();
     if (node.mesh >= 0) place_mesh(import, index);
+    for (std::size_t i = placed; i < scene.instances.size(); ++i)
+      scene.instances[i].node = static_cast<std::uint32_t>(index);
     place_light(import, index);
   }
   if (scene.instances.empty()) scene.warnings.add("scene shows no mesh");

@@ -280,6 +280,13 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
   object.root = append_tree(tree, object.first_item, packed.nodes);
   object.item_count = static_cast<std::uint32_t>(tree.order.size());
 
+  for (std::uint32_t t = 0; t < sources.size(); ++t) {
+    const std::uint32_t index = ids.empty() ? t : ids[t], part = sources[t].part;
+    const std::uint32_t id = ids_of_pieces.source.empty() ? index : ids_of_pieces.source[index];
+    if (id == index && (object.part_runs.empty() || object.part_runs.back().part != part))
+      object.part_runs.push_back({id, part});
+  }
+
   packed.triangles.resize(first + tree.order.size());
   if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
   if (moving) packed.motions.resize(first + tree.order.size());

@@ -24,6 +24,11 @@ struct PlacedCut {
   std::uint32_t first_vertex = 0;
 };
 
+// Triangles whose source ids are `first_id` or more, up to the next run, are of that part.
+struct PartRun {
+  std::uint32_t first_id = 0, part = 0;
+};
+
 // A tree of triangles inside PackedScene::nodes and ::triangles.
 struct Object {
   std::uint32_t first_item = 0, item_count = 0; // range in PackedScene::triangles, copies included
@@ -33,6 +38,7 @@ struct Object {
   std::uint32_t depth = 0;                      // nodes on the longest path from the root
   double sah_cost = 0.0;                        // see bvh::Measure
   glm::vec3 lo{0.0f}, hi{0.0f};                 // bounds of its boxes in the tree, in its own space; 0 if it is empty
+  std::vector<PartRun> part_runs;               // ascending
 };
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if

@@ -69,6 +69,8 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     instance.flipped = glm::determinant(glm::dmat3(placement.device_from_object)) < 0.0 ? 1u : 0u;
     instance.id = static_cast<std::uint32_t>(instances.size());
     instances.push_back(instance);
+    packed.instance_nodes.push_back(placement.node);
+    if (placement.object == 0) packed.once_instance = instance.id;
     object_of.push_back(placement.object);
     boxes.push_back(box);
     deepest = std::max(deepest, object.depth);

@@ -65,13 +65,20 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
 // Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
 Object pack_static(const Scene& scene, Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
   std::vector<Part> parts;
-  for (const Instance& instance : scene.instances)
-    if (layout.usage.mesh_instances[instance.mesh] == 1)
-      list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+  std::vector<std::uint32_t> nodes; // by part
+  for (const Instance& instance : scene.instances) {
+    if (layout.usage.mesh_instances[instance.mesh] != 1) continue;
+    list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+    nodes.resize(parts.size(), instance.node);
+  }
   if (parts.empty() && layout.usage.two_level()) return {};
   std::vector<glm::dvec3> near;
   for (const glm::dvec3& p : layout.near) near.push_back(p - packed.origin);
-  return pack_parts(scene, layout, parts, near, 1, packed);
+  Object object = pack_parts(scene, layout, parts, near, 1, packed);
+  for (const PartRun& run : object.part_runs)
+    if (packed.node_runs.empty() || packed.node_runs.back().node != nodes[run.part])
+      packed.node_runs.push_back({run.first_id, nodes[run.part]});
+  return object;
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
@@ -98,7 +105,8 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const gl
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
       placements.push_back({object_of_mesh[instance.mesh],
-                            glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh])});
+                            glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh]),
+                            instance.node});
 
   std::size_t skipped = 0;
   std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
@@ -149,6 +157,7 @@ void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
 PackedScene pack(Scene& scene, const Packing& packing) {
   PackedScene packed;
   packed.bvh_quality = packing.quality;
+  packed.node_names = scene.node_names;
   place_origin(scene, packing.eye, packed);
   Layout layout(scene);
   layout.quality = packing.quality;

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "bvh/build.h"
+#include "host/scene/material.h"
 #include "host/scene/pack/atlas.h"
 #include "kernels/base/features.h"
 #include "kernels/base/scene_types.h"
@@ -26,6 +27,11 @@ struct LeftOut {
 struct Draw {
   std::uint32_t first_triangle = 0, triangle_count = 0; // copies of spatial splits included
   std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 if the scene has no instances
+};
+
+// Triangles whose source ids are `first_id` or more, up to the next run, are shown by `node` of the file.
+struct NodeRun {
+  std::uint32_t first_id = 0, node = 0;
 };
 
 // Triangles of MASK and BLEND surfaces whose images let rays through somewhere; copies and instances do not count.
@@ -74,6 +80,12 @@ struct PackedScene {
   std::vector<gpu::MaterialLayers> layers;
   std::vector<glm::vec4> albedo_tables;
   std::vector<std::string> material_names; // for messages
+  // Which node of the file shows what, for node_of(): of meshes that are shown once by triangle, of the others by
+  // gpu::Instance::id. kNoIndex: no node does.
+  std::vector<NodeRun> node_runs;
+  std::vector<std::uint32_t> instance_nodes;
+  std::uint32_t once_instance = kNoIndex; // Instance::id of the meshes that are shown once
+  std::vector<std::string> node_names;    // by node of the file; empty where it has no name
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels; // texels that kernels look up themselves
   Atlases atlases;                   // texels that the device's samplers look up

@@ -1,0 +1,196 @@
+#include "host/passes/passes.h"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/integrators/path/first_hits.h"
+#include "host/passes/cryptomatte.h"
+#include "host/picture/files/picture_io.h"
+#include "host/render/settings/pass_names.h"
+#include "host/scene/pack/hit_surface.h"
+
+namespace wavepath {
+namespace {
+
+constexpr float kNothing = 1e10f; // depth where nothing was hit, as the AOV `depth` has it
+constexpr const char* kObjects = "CryptoObject";
+constexpr const char* kMaterials = "CryptoMaterial";
+constexpr const char *kNodesText = "wavepath.nodes", *kMaterialsText = "wavepath.materials";
+
+bool wants(const RenderPlan& settings, std::string_view pass) { return std::ranges::count(settings.aovs, pass) > 0; }
+
+std::string node_name(const PackedScene& scene, std::uint32_t node) {
+  if (node == kNoIndex) return "ground"; // what staging placed under an asset
+  const std::string& name = scene.node_names[node];
+  return name.empty() ? fmt::format("node {}", node) : name;
+}
+
+std::string material_name(const PackedScene& scene, std::uint32_t material) {
+  const std::string& name = scene.material_names[material];
+  return name.empty() ? fmt::format("material {}", material) : name;
+}
+
+// {"3": "Chair", ...} of ids that pixels may show.
+template <class Name>
+std::string table_text(const std::vector<std::uint32_t>& ids, Name name) {
+  nlohmann::ordered_json table = nlohmann::ordered_json::object();
+  for (const std::uint32_t id : ids) table[fmt::format("{}", id)] = name(id);
+  return table.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+// Of the file, ascending.
+std::vector<std::uint32_t> shown_nodes(const PackedScene& scene) {
+  std::vector<std::uint32_t> nodes = scene.instance_nodes;
+  for (const NodeRun& run : scene.node_runs) nodes.push_back(run.node);
+  std::erase(nodes, kNoIndex);
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// What one pixel shows at its centre, as values of the channels of a pass. `value(hit, component)`; nothing was hit:
+// `nothing`.
+struct CentrePass {
+  std::string_view name;
+  std::vector<std::string> channels;
+  float nothing = 0.0f;
+  std::function<double(const FirstHit&, int)> value;
+};
+
+// On the side that the ray came from.
+glm::dvec3 facing_normal(const PackedScene& scene, const FirstHit& found) {
+  const glm::dvec3 normal = geometric_normal(scene, found.hit);
+  return glm::dot(normal, glm::dvec3(found.ray.direction)) > 0.0 ? -normal : normal;
+}
+
+std::vector<CentrePass> centre_passes(const PackedScene& scene) {
+  const auto node = [&scene](const FirstHit& f, int) {
+    const std::uint32_t index = node_of(scene, f.hit);
+    return index == kNoIndex ? -1.0 : static_cast<double>(index);
+  };
+  return {
+      {"node", {"id.node"}, -1.0f, node},
+      {"material", {"id.material"}, -1.0f, [&](const FirstHit& f, int) { return material_of(scene, f.hit); }},
+      {"depth0", {"Z0"}, kNothing, [](const FirstHit& f, int) { return f.surface.depth; }},
+      {"normal0", {"N0.X", "N0.Y", "N0.Z"}, 0.0f, [](const FirstHit& f, int c) { return f.surface.normal[c]; }},
+      {"position0",
+       {"P0.X", "P0.Y", "P0.Z"},
+       0.0f,
+       [&](const FirstHit& f, int c) { return f.surface.position[c] + scene.origin[c]; }},
+      {"geometric",
+       {"Ng.X", "Ng.Y", "Ng.Z"},
+       0.0f,
+       [&](const FirstHit& f, int c) { return facing_normal(scene, f)[c]; }},
+      {"uv", {"uv.X", "uv.Y"}, 0.0f, [&](const FirstHit& f, int c) { return texture_coordinates(scene, f.hit)[c]; }}};
+}
+
+bool needs_surface(std::string_view pass) { return pass == "depth0" || pass == "normal0" || pass == "position0"; }
+
+// What the passes are made from and with.
+struct PassTracer {
+  Device& device;
+  const PackedScene& scene;
+  const View& view;
+  const RenderPlan& settings;
+  KernelCompiler& kernels;
+  SceneOnDevice& shared;
+  const std::function<bool()>& progress;
+
+  bool trace(RaysThrough through, HitData data, const std::function<void(const FirstHit&)>& visit) const {
+    return trace_first_hits(device, scene, view, settings, through, data, kernels, shared, progress,
+                            [&](std::span<const FirstHit> hits) { std::ranges::for_each(hits, visit); });
+  }
+};
+
+bool add_centre_passes(const PassTracer& tracer, Picture& picture) {
+  std::vector<CentrePass> passes = centre_passes(tracer.scene);
+  std::erase_if(passes, [&](const CentrePass& pass) { return !wants(tracer.settings, pass.name); });
+  if (passes.empty()) return true;
+  std::vector<Channel> channels;
+  for (const CentrePass& pass : passes)
+    for (const std::string& channel : pass.channels) {
+      channels.push_back({channel, std::vector<float>(std::size_t{picture.width} * picture.height)});
+      std::erase_if(picture.channels, [&](const Channel& known) { return known.name == channel; }); // of `ids`
+    }
+  const bool surface = std::ranges::any_of(passes, needs_surface, &CentrePass::name);
+  const bool whole =
+      tracer.trace(RaysThrough::centres, surface ? HitData::surface : HitData::geometry, [&](const FirstHit& found) {
+        std::size_t channel = 0;
+        for (const CentrePass& pass : passes)
+          for (int c = 0; c < static_cast<int>(pass.channels.size()); ++c)
+            channels[channel++].values[found.pixel] =
+                found.hit.triangle == gpu::kNone ? pass.nothing : static_cast<float>(pass.value(found, c));
+      });
+  std::ranges::move(channels, std::back_inserter(picture.channels));
+  return whole;
+}
+
+bool add_coverages(const PassTracer& tracer, Picture& picture) {
+  const PackedScene& scene = tracer.scene;
+  std::vector<std::string> names, materials;
+  const std::vector<std::uint32_t> nodes = shown_nodes(scene);
+  for (const std::uint32_t node : nodes) names.push_back(node_name(scene, node));
+  const auto ground = static_cast<std::uint32_t>(names.size());
+  names.push_back(node_name(scene, kNoIndex));
+  for (std::uint32_t i = 0; i < scene.material_names.size(); ++i) materials.push_back(material_name(scene, i));
+
+  std::vector<Coverage> of_nodes(std::size_t{picture.width} * picture.height), of_materials(of_nodes.size());
+  const bool whole = tracer.trace(RaysThrough::samples, HitData::geometry, [&](const FirstHit& found) {
+    if (found.hit.triangle == gpu::kNone) return;
+    const std::uint32_t node = node_of(scene, found.hit);
+    const auto index =
+        node == kNoIndex ? ground : static_cast<std::uint32_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
+    ++of_nodes[found.pixel][index];
+    ++of_materials[found.pixel][material_of(scene, found.hit)];
+  });
+  const std::uint32_t samples = tracer.settings.last_sample - tracer.settings.first_sample;
+  add_cryptomatte(picture, kObjects, of_nodes, names, samples);
+  add_cryptomatte(picture, kMaterials, of_materials, materials, samples);
+  return whole;
+}
+
+} // namespace
+
+bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+                KernelCompiler& kernels, SceneOnDevice& shared, const std::function<bool()>& progress,
+                Picture& picture) {
+  const PassTracer tracer{device, scene, view, settings, kernels, shared, progress};
+  bool whole = add_centre_passes(tracer, picture);
+  if (wants(settings, "node"))
+    picture.texts.emplace_back(kNodesText,
+                               table_text(shown_nodes(scene), [&](std::uint32_t id) { return node_name(scene, id); }));
+  if (wants(settings, "material")) {
+    std::vector<std::uint32_t> all(scene.material_names.size());
+    std::iota(all.begin(), all.end(), 0u);
+    picture.texts.emplace_back(kMaterialsText,
+                               table_text(all, [&](std::uint32_t id) { return material_name(scene, id); }));
+  }
+  if (wants(settings, "cryptomatte")) whole &= add_coverages(tracer, picture);
+  return whole;
+}
+
+void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples) {
+  const PackedScene none;
+  for (const CentrePass& pass : centre_passes(none))
+    for (const std::string& channel : pass.channels)
+      if (const Channel* known = find_channel(parts.front(), channel); known && !find_channel(picture, channel))
+        picture.channels.push_back(*known);
+  for (const char* layer : {kObjects, kMaterials})
+    if (std::ranges::all_of(parts, [&](const Picture& part) { return has_cryptomatte(part, layer); }))
+      join_cryptomatte(picture, layer, parts, samples);
+}
+
+std::vector<std::string> pass_texts() {
+  std::vector<std::string> names{kNodesText, kMaterialsText};
+  for (const char* layer : {kObjects, kMaterials})
+    for (const std::string& name : cryptomatte_texts(layer)) names.push_back(name);
+  return names;
+}
+
+} // namespace wavepath

@@ -1,0 +1,38 @@
+// Passes: channels beside a picture that rays of their own find, after it is rendered. They cost a render that does not
+// ask for them nothing, and no integrator knows of them.
+//
+//     pass          channels                        rays                            texts in the header
+//     node          id.node                         through the centres of pixels   wavepath.nodes
+//     material      id.material                     through the centres             wavepath.materials
+//     depth0        Z0                              through the centres
+//     normal0       N0.X N0.Y N0.Z                  through the centres
+//     position0     P0.X P0.Y P0.Z                  through the centres
+//     geometric     Ng.X Ng.Y Ng.Z                  through the centres
+//     uv            uv.X uv.Y                       through the centres
+//     cryptomatte   CryptoObject*, CryptoMaterial*  of all samples                  cryptomatte/*
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "host/picture/picture.h"
+#include "host/render/render.h"
+#include "host/scene/staging/view.h"
+
+namespace wavepath {
+
+// Appends the passes among settings.aovs to `picture`, which has settings.width x settings.height pixels. Coverages are
+// those of samples settings.first_sample <= s < last_sample. `progress`: false leaves out what is not yet found;
+// returns whether all was. Throws Error if the device fails.
+bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
+                KernelCompiler& kernels, SceneOnDevice& shared, const std::function<bool()>& progress,
+                Picture& picture);
+
+// Appends the passes that pictures of the same scene and view have, rendered with so many `samples` each: those through
+// centres are equal in all of them, coverages are joined.
+void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples);
+
+// Names of the header attributes that explain passes.
+std::vector<std::string> pass_texts();
+
+} // namespace wavepath
