@@ -378,7 +378,7 @@ TEST_F(ErrorProbesRender, FilesHoldTheWholeFilm) {
     PictureInfo info;
     info.seed = settings.seed;
     info.film = result.film;
-    write_exr(folder.file("film.exr"), result.picture, info, false);
+    write_exr(folder.file("film.exr"), result.picture, info, {});
     const auto film = read_film(folder.file("film.exr"));
     EXPECT_TRUE(*film == *result.film) << "aovs " << aovs;
     EXPECT_EQ(film->probed, result.film->probed);

@@ -1,11 +1,14 @@
 // Nothing that a render has made is lost: not to what is measured after it, to an output that fails, to a terminal or a
 // reader that goes away, or to a viewer that hangs.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -159,7 +162,82 @@ TEST_F(OutputsRender, OneThatFailsDoesNotCostTheOthers) {
   EXPECT_EQ(Json::parse(contents(file("t.json")))["spp"], 2);
 }
 
+// Killed without a warning, a render has left what it had every --save-every seconds: whole, even, and repeatable.
+TEST_F(OutputsRender, PicturesAreSavedOnTheWay) {
+  const std::string picture = file("a.exr"), stats = file("s.json"), pid_file = file("pid");
+  RunOptions watched;
+  watched.in_child = [&] {
+    const pid_t self = getpid();
+    const int written = open(pid_file.c_str(), O_CREAT | O_WRONLY, 0600);
+    if (write(written, &self, sizeof self) != sizeof self) _exit(99);
+    close(written);
+  };
+  std::future<bool> killed = std::async(std::launch::async, [&] {
+    const auto begun = Clock::now();
+    while (seconds_since(begun) < 300.0 && !(std::filesystem::exists(picture) && std::filesystem::exists(stats)))
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    pid_t child = 0;
+    std::ifstream(pid_file, std::ios::binary).read(reinterpret_cast<char*>(&child), sizeof child);
+    return child > 0 && kill(child, SIGKILL) == 0;
+  });
+  const Outcome outcome = render(kBox,
+                                 {"--spp", "100000000", "--integrator", "path", "--mergeable", "--save-every", "0.001",
+                                  "-o", "a.exr", "-o", "a.png", "--stats", "s.json", "-q"},
+                                 watched);
+  EXPECT_TRUE(killed.get());
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL) << outcome.err;
+  EXPECT_TRUE(whole("a.exr") && whole("a.png"));
+  const Json document = Json::parse(contents(stats));
+  EXPECT_EQ(document["under_way"], true);
+  EXPECT_GT(document["spp"], 0);
+
+  // The file may be one step further than the stats.
+  std::string repeat = read_attribute(picture, "wavepath.repeat");
+  ASSERT_TRUE(repeat.starts_with("wavepath ")) << repeat;
+  repeat = std::string(WAVEPATH_BINARY) + repeat.substr(8) + " -q -o '" + file("again.exr") + "'";
+  ASSERT_EQ(std::system(repeat.c_str()), 0) << repeat;
+  EXPECT_TRUE(*read_film(picture) == *read_film(file("again.exr"))) << repeat;
+}
+
+TEST_F(OutputsRender, SavingOnTheWayChangesNoBit) {
+  for (const char* integrator : {"path", "bidirectional", "hybrid"}) {
+    EXPECT_EQ(render(kBox, {"--spp", "9", "--integrator", integrator, "-o", "a.exr", "-q"}).exit_code, 0);
+    const Outcome saving = render(kBox, {"--spp", "9", "--integrator", integrator, "-o", "b.exr", "--stats", "s.json",
+                                         "--save-every", "1e-9", "-q"});
+    EXPECT_EQ(saving.exit_code, 0) << saving.err;
+    const Picture a = read_picture(file("a.exr")), b = read_picture(file("b.exr"));
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(a.channels[i].values, b.channels[i].values) << integrator;
+    EXPECT_FALSE(Json::parse(contents(file("s.json"))).contains("under_way"));
+  }
+}
+
 // Streams that nobody reads, or that are not there at all, and a disk under stderr that is full.
+// Parts of other layouts, a lossy one among them, join to the bits of the whole; so does what the merge writes.
+TEST_F(OutputsRender, PartsOfEveryLayoutJoin) {
+  const std::vector<std::string> channels = {"--aov", "albedo,normal,position,samples", "-q"};
+  const auto part = [&](const std::string& name, std::vector<std::string> flags) {
+    flags.insert(flags.end(), channels.begin(), channels.end());
+    flags.insert(flags.end(), {"--integrator", "path", "-o", name});
+    const Outcome outcome = render(kBox, flags);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  part("whole.exr", {"--mergeable"});
+  part("a.exr", {"--samples", "0:1", "--layers", "blender", "--compression", "dwaa"});
+  part("b.exr", {"--samples", "1:2", "--multi-part", "--compression", "piz"});
+  const Outcome merged = run({"merge", "a.exr", "b.exr", "-o", "merged.exr", "--layers", "blender", "--multi-part"});
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  const Picture whole = read_picture(file("whole.exr")), joined = read_picture(file("merged.exr"));
+  ASSERT_EQ(joined.channels.size(), whole.channels.size());
+  for (const char* name : {"R", "G", "B", "A", "samples"})
+    EXPECT_EQ(find_channel(joined, name)->values, find_channel(whole, name)->values) << name;
+
+  const Outcome compared = run({"compare", "merged.exr", "whole.exr", "--max", "mse=0"});
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  const Outcome again = render(kBox, {"--reference", "a.exr", "--plan", "b.exr", "-o", "again.exr"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("a.exr: was compressed with a loss"), std::string::npos) << again.err;
+}
+
 TEST_F(OutputsRender, BrokenStreamsCostNoPicture) {
   const auto broken = [](int descriptor) {
     int ends[2];

@@ -44,6 +44,19 @@ TEST_F(Outputs, ReplaceNoInput) {
     expect_refused(line, word);
 }
 
+TEST_F(Outputs, RefuseWhatNoFileNamedWouldShow) {
+  expect_refused("render scene.gltf -o a.exr --bits 16", "--bits: is for .png files, and a.exr is none");
+  expect_refused("render scene.gltf -o a.jpg --bits 16", "--bits: is for .png files, and a.jpg is none");
+  expect_refused("render scene.gltf -o a.png --layers blender", "--layers: is for .exr files");
+  expect_refused("render scene.gltf -o a.hdr --compression piz", "--compression: is for .exr files");
+  expect_refused("render scene.gltf -o a.png --multi-part", "--multi-part: is for .exr files");
+  expect_refused("merge sky.exr reference.exr -o a.png --multi-part", "--multi-part: is for .exr files");
+  expect_refused("render scene.gltf -o a.exr --compression lzw", "--compression");
+  expect_refused("render scene.gltf -o a.exr --layers nuke", "--layers");
+  expect_refused("render scene.gltf -o a.png --bits 12", "--bits");
+  expect_refused("render scene.gltf -o a.png --save-every 0", "--save-every");
+}
+
 TEST_F(Outputs, ReplaceNoOther) {
   expect_refused("render scene.gltf -o a.exr -o a.exr", "a.exr: is written twice");
   expect_refused("render scene.gltf -o a.exr -o ./a.exr", "./a.exr: is the same file as a.exr");

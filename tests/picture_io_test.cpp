@@ -301,7 +301,7 @@ TEST(PictureIo, OwnPicturesAreReadAsOthersAre) {
   const TemporaryFolder folder;
   const Picture picture = random_picture(7, 5, {"R", "G", "B", "A", "Z", "albedo.R"});
   for (const bool half : {false, true}) {
-    write_exr(folder.file("a.exr"), picture, example_info(), half);
+    write_exr(folder.file("a.exr"), picture, example_info(), {.half = half});
     const std::optional<Picture> own = read_own_exr(folder.file("a.exr"));
     ASSERT_TRUE(own);
     const LinearPicture other = read_linear(folder.file("a.exr"), {.wanted = [](const std::string&) { return true; }});

@@ -107,6 +107,7 @@ glm::dvec3 read_origin(const std::string& path) {
 void check_outputs(const MergeCommandRequest& request) {
   const std::vector<std::string>& pictures = request.output.pictures;
   for (const std::string& path : pictures) require_format(path, 1, 1);
+  check_write_options(request.output);
   refuse_overwriting(pictures, request.parts);
   for (const std::string& path : pictures) require_writable(path);
 }
@@ -159,6 +160,9 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.plan = read_attribute(part, "wavepath.plan");
   info.world_to_camera = read_matrix(part, "worldToCamera");
   info.world_to_ndc = read_matrix(part, "worldToNDC");
+  info.focus = read_number(part, "focus");
+  info.frame = read_frame(part);
+  info.exposure_seconds = read_number(part, "expTime");
 }
 
 // Passes of the parts; all have those of the first, or the picture lacks them.
@@ -229,7 +233,7 @@ Command add_merge(CLI::App& app) {
   require(add_flag(
       *command, "Pictures", {"PARTS", "FILE.exr", "parts of a render, two or more"},
       [=](const FlagValue& value) { request->parts.push_back(value.text); }, true));
-  add_picture_output_flags(*command, request->output, "none: name at least one");
+  add_picture_output_flags(*command, request->output, "none: name at least one", false);
   add_switch(*command, "Output", {"-q,--quiet", "", "print no summary", "off"}, request->output.quiet);
   return [request] {
     if (request->output.pictures.empty()) throw UsageError("-o", "is missing", "say where the result goes: -o OUT.exr");

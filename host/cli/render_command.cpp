@@ -19,7 +19,8 @@ int run_render(RenderCommandRequest& request) {
   require_writers(request.output);
   plan_render(request, prepared);
   if (request.render.pixel) return replay(request, prepared);
-  Rendered rendered = run(request, prepared, reference);
+  Rendered rendered =
+      run(request, prepared, reference, [&](const RenderResult& so_far) { save_so_far(request, prepared, so_far); });
   return finish(request, prepared, rendered, reference);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/atomic_file.h"
 #include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/base/print.h"
@@ -18,6 +19,7 @@
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/pass_names.h"
 #include "host/render/settings/settings_table.h"
+#include "host/scene/pack/pick.h"
 
 namespace wavepath {
 namespace {
@@ -39,6 +41,10 @@ PictureInfo picture_info(const RenderCommandRequest& request, const Prepared& pr
   info.filter = kFilterNames[settings.filter];
   info.bias = fmt::format("{}", fmt::join(run.bias, "; "));
   info.view = prepared.view;
+  if (settings.lens.aperture > 0.0)
+    info.focus = settings.lens.focus ? *settings.lens.focus
+                                     : depth_of_middle(prepared.packed, prepared.view, settings.cull != gpu::kCullNone);
+  if (const auto& shutter = request.scene.load.shutter) info.exposure_seconds = shutter->second - shutter->first;
   if (request.render.mergeable && result.even) {
     info.identity = prepared.identity;
     info.device = device_text(prepared.device->info());
@@ -112,6 +118,17 @@ void add_passes_if_asked(Prepared& prepared, RenderResult& result, const MultiDe
   });
 }
 
+// What a report tells without measuring more.
+Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
+  Run run{request.scene.path,     request.command_line, prepared.device->info(),
+          prepared.plan.settings, prepared.packed,      result};
+  run.plan = prepared.plan.decisions;
+  add_outcomes(run.plan, result);
+  run.repeat = repeat_command(request, prepared, result);
+  run.load_seconds = prepared.load_seconds;
+  return run;
+}
+
 // Writes the pictures and reports what the run measured.
 void write_and_report(const RenderCommandRequest& request, Prepared& prepared, const Rendered& rendered, Run& run,
                       Attempts& attempts) {
@@ -121,7 +138,6 @@ void write_and_report(const RenderCommandRequest& request, Prepared& prepared, c
   write_pictures(output, picture_info(request, prepared, rendered, run), rendered.result.picture, prepared.warnings,
                  attempts);
   run.write_seconds = seconds_since(start);
-  run.load_seconds = prepared.load_seconds;
   run.peak_bytes = device.memory_peak();
   if (device.memory_displaced() > 0)
     prepared.warnings.add(fmt::format("the device's memory is full: {:.1f} MiB lie elsewhere, which is much slower",
@@ -152,6 +168,33 @@ void check_result(const RenderCommandRequest& request, const Prepared& prepared,
 
 } // namespace
 
+void save_so_far(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& so_far) {
+  const auto try_to = [&](const auto& step) {
+    try {
+      step();
+    } catch (const std::exception& failure) {
+      prepared.warnings.add(fmt::format("--save-every: {} (the render went on)", failure_text(failure)));
+    }
+  };
+  Rendered rendered{.result = so_far, .shared = {}, .true_errors = {}};
+  if (!prepared.others.empty()) rendered.result.even = false; // whether the devices round alike is known at the end
+  try_to([&] { denoise_if_asked(rendered.result, prepared.plan.settings); });
+  Run run = run_of(request, prepared, rendered.result);
+  run.bias = list_bias(prepared.plan.settings, prepared.packed, rendered.result);
+  run.peak_bytes = prepared.device->memory_peak();
+  run.kernel_cache = prepared.device->pipeline_cache().describe();
+  const PictureInfo info = picture_info(request, prepared, rendered, run);
+  for (const std::string& path : request.output.pictures)
+    try_to([&] { write_picture(path, rendered.result.picture, info, request.output.write); });
+  run.total_seconds = seconds_since_process_start();
+  if (request.output.stats.empty()) return;
+  try_to([&] {
+    nlohmann::ordered_json document = stats_document(run);
+    document["under_way"] = true;
+    write_file(request.output.stats, to_text(document));
+  });
+}
+
 int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
            const std::optional<Picture>& reference) {
   const RenderPlan& settings = prepared.plan.settings;
@@ -160,10 +203,7 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& re
   attempts.attempt([&] { denoise_if_asked(result, settings); });
   add_passes_if_asked(prepared, result, rendered.shared ? &*rendered.shared : nullptr);
   show(request, prepared, result.picture);
-  Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
-  run.plan = prepared.plan.decisions;
-  add_outcomes(run.plan, result);
-  run.repeat = repeat_command(request, prepared, result);
+  Run run = run_of(request, prepared, result);
   if (rendered.shared) run.shared = &*rendered.shared;
   run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
   if (reference && result.denoised)

@@ -253,21 +253,56 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
            [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemapNames)); });
 }
 
-void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {
+void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial, bool hides) {
   const char* group = "Output";
   add_flag(
       app, group,
       {"-o,--output", "FILE", "picture to write; repeatable. .exr and .hdr are linear, .png and .jpg are tonemapped",
        initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
-  add_switch(app, group, {"--half", "", "store 16-bit floats in EXR files", "off: 32-bit"}, request.write.half);
-  add_tone_flags(app, request.write);
+  WriteOptions& write = request.write;
+  add_switch(app, group, {"--half", "", "store 16-bit floats in EXR files", "off: 32-bit"}, write.half);
+  add_flag(app, group,
+           {"--layers", "plain|blender",
+            "names of the channels of EXR files. blender: those of Blender's passes, such as ViewLayer.Combined.R. "
+            "merge, compare, --reference and --plan read both",
+            "plain"},
+           [&write](const FlagValue& value) { write.layers = static_cast<LayerNames>(value.choice(kLayerNames)); });
+  add_flag(app, group,
+           {"--compression", "zip|zips|piz|dwaa|none",
+            "compression of EXR files. dwaa loses precision, and only of colours: normals, positions, other data and "
+            "the sums for 'wavepath merge' then stand in a second part of the file, by zip",
+            "zip", hides},
+           [&write](const FlagValue& value) {
+             write.compression = static_cast<Compression>(value.choice(kCompressionNames));
+           });
+  add_switch(app, group, {"--multi-part", "", "give each layer of EXR files a part of its own", "off: one part", hides},
+             write.multi_part);
+  add_flag(app, group, {"--bits", "8|16", "bits of each channel of .png outputs", "8", hides},
+           [&write](const FlagValue& value) {
+             constexpr std::string_view kBits[] = {"8", "16"};
+             write.bits = value.choice(kBits) == 0 ? 8 : 16;
+           });
+  add_tone_flags(app, write);
+}
+
+void check_write_options(const OutputRequest& request) {
+  const WriteOptions& write = request.write;
+  const auto require_one = [&](bool given, const char* flag, PictureFormat format, const char* extension) {
+    if (!given || std::ranges::count(request.pictures, format, picture_format) > 0) return;
+    throw UsageError(flag, fmt::format("is for {} files, and {} is none", extension, fmt::join(request.pictures, ", ")),
+                     fmt::format("add -o FILE{}, or leave out {}", extension, flag));
+  };
+  require_one(write.bits != 8, "--bits", PictureFormat::png, ".png");
+  require_one(write.layers != LayerNames::plain, "--layers", PictureFormat::exr, ".exr");
+  require_one(write.compression != Compression::zip, "--compression", PictureFormat::exr, ".exr");
+  require_one(write.multi_part, "--multi-part", PictureFormat::exr, ".exr");
 }
 
 void add_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  add_picture_output_flags(app, request, "SCENE-stem.exr");
+  add_picture_output_flags(app, request, "SCENE-stem.exr", true);
   add_flag(
       app, group,
       {"--stats", "FILE.json", "JSON file of all measurements, including the time to the first pixel", "not written"},
@@ -279,6 +314,12 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
       app, group,
       {"--tev", "HOST[:PORT]", "viewer tev, which shows the picture during the render. Without PORT: 14158", "off"},
       keep(request.tev));
+  add_flag(app, group,
+           {"--save-every", "SECONDS",
+            "time between pictures of the render so far: all -o and --stats files are replaced as a whole, at a moment "
+            "when all pixels have the same samples",
+            "at the end alone"},
+           [&](const FlagValue& value) { request.save_every = value.positive_number(); });
   add_switch(app, group, {"--json", "", "print the stats as JSON on stdout", "off"}, request.json);
   add_switch(app, group, {"-q,--quiet", "", "print no progress and no summary", "off"}, request.quiet);
   add_switch(

@@ -23,6 +23,7 @@ struct OutputRequest {
   WriteOptions write;
   std::string stats, reference; // paths of files; empty = none
   std::string tev;              // HOST[:PORT] of a viewer; empty = none
+  double save_every = 0.0;      // seconds between pictures and stats of the render so far; 0 = at its end alone
   bool quiet = false, verbose = false, json = false;
 };
 
@@ -88,8 +89,10 @@ void add_plan_flags(CLI::App& app, RenderRequest& request);
 void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 // Adds the flags that name picture files and say how to write them. `initial`: the file that is written if none is
-// named, for the help.
-void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial);
+// named, for the help. `hides`: only --help-all shows the rarer ones.
+void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial, bool hides);
+// Throws UsageError for options that no named file could show.
+void check_write_options(const OutputRequest& request);
 void add_tone_flags(CLI::App& app, WriteOptions& options);
 
 } // namespace wavepath

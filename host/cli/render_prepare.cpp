@@ -88,6 +88,8 @@ Prepared prepare(const RenderCommandRequest& request) {
   prepared.view = view;
   prepared.packed = pack(scene, packing);
   prepared.warnings = scene.warnings;
+  if (const std::string& reference = request.output.reference; !reference.empty() && is_lossy(reference))
+    prepared.warnings.add(reference + ": was compressed with a loss, which the true error holds as well");
   prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
   return prepared;
 }

@@ -41,6 +41,7 @@ void check_files(RenderCommandRequest& request) {
     if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the scene
   }
   check_channels(request);
+  check_write_options(output);
   require_file(request.scene.path);
   const std::vector<std::string> targets = targets_of(request);
   refuse_overwriting(targets, inputs_of(request.scene, settings, output.reference));

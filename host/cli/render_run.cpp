@@ -71,11 +71,10 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 }
 
 // Renders on all of --devices.
-MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepared& prepared,
+MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepared& prepared, RenderHooks hooks,
                                     const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   std::vector<RenderingDevice> devices{{prepared.device.get(), prepared.kernels.get()}};
   for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
-  RenderHooks hooks;
   if (reference) hooks.checkpoint = measure_checkpoints(prepared, *reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   MultiDeviceResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
@@ -90,7 +89,7 @@ MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepare
 
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
-RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prepared,
+RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prepared, RenderHooks hooks,
                              const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
@@ -108,10 +107,9 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
       throw Error(state.file, "has trained its choice of light as parts do not, so that its picture cannot be merged",
                   "leave out --samples and --mergeable, or begin anew with them");
   }
-  RenderHooks hooks{
-      .save = state_saver(state, prepared.identity, to_line(prepared.plan.decisions), device, prepared.warnings),
-      .save_interval = state.interval,
-      .salvages = true};
+  hooks.save = state_saver(state, prepared.identity, to_line(prepared.plan.decisions), device, prepared.warnings);
+  hooks.save_interval = state.interval;
+  hooks.salvages = true;
   if (resumed) hooks.resume = &*resumed;
   if (reference) hooks.checkpoint = measure_checkpoints(prepared, *reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
@@ -148,15 +146,19 @@ void show(const RenderCommandRequest& request, Prepared& prepared, const Picture
   prepared.warnings.add("--tev: the viewer is gone; the render went on without it");
 }
 
-Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std::optional<Picture>& reference) {
+Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std::optional<Picture>& reference,
+             const std::function<void(const RenderResult&)>& publish) {
   Rendered rendered;
   std::vector<TrueError> true_errors;
+  RenderHooks hooks;
+  if (request.output.save_every > 0.0) hooks.publish = publish;
+  hooks.publish_interval = request.output.save_every;
   if (!prepared.others.empty()) {
     prepared.on_device = {}; // each device uploads it by itself
-    rendered.shared = render_on_devices(request, prepared, reference, true_errors);
+    rendered.shared = render_on_devices(request, prepared, hooks, reference, true_errors);
     rendered.result = std::move(rendered.shared->result);
   } else {
-    rendered.result = render_prepared(request, prepared, reference, true_errors);
+    rendered.result = render_prepared(request, prepared, hooks, reference, true_errors);
   }
   rendered.true_errors = align(std::move(true_errors), rendered.result.checkpoints.size());
   return rendered;

@@ -1,6 +1,7 @@
 // Renders a prepared scene: on one device or several, from the beginning or from a saved state; or replays one path.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +28,9 @@ struct Rendered {
 int replay(const RenderCommandRequest& request, Prepared& prepared);
 
 // Renders the picture. With --resume it continues from the state in the file of --checkpoint. `reference`: may be
-// empty. Throws Error.
-Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std::optional<Picture>& reference);
+// empty. `publish`: gets the result so far, every --save-every seconds. Throws Error.
+Rendered run(const RenderCommandRequest& request, Prepared& prepared, const std::optional<Picture>& reference,
+             const std::function<void(const RenderResult&)>& publish);
 
 // Sends the picture to the viewer of --tev. If the viewer has gone away, rendering continues without it.
 void show(const RenderCommandRequest& request, Prepared& prepared, const Picture& picture);

@@ -15,12 +15,18 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfFramesPerSecond.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
@@ -33,6 +39,7 @@
 #include "host/base/read_file.h"
 #include "host/codecs/primaries.h"
 #include "host/film/film.h"
+#include "host/picture/files/layers.h"
 #include "host/picture/picture_format.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/film/film_types.h"
@@ -165,48 +172,105 @@ void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
     insert(splat_channel(i), words_of(film.splats) + i, kSplatWords);
 }
 
-Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
-  Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
-  header.compression() = Imf::ZIP_COMPRESSION;
+constexpr const char* kNamesAttribute = "wavepath.names"; // lines "ViewLayer.Combined.R=R", where they are not ours
+
+constexpr Imf::Compression kCompressions[] = {Imf::ZIP_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::PIZ_COMPRESSION,
+                                              Imf::DWAA_COMPRESSION, Imf::NO_COMPRESSION}; // by Compression
+
+void add_text(Imf::Header& header, const char* name, const std::string& text) {
+  header.insert(name, Imf::StringAttribute(text));
+}
+
+constexpr const char* kFrameAttribute = "imageCounter"; // OpenEXR's name for it since 3.2
+
+// Number and rate, and where the rate is a whole number the time of a clock that stood at 0 at frame 0.
+void add_frame(Imf::Header& header, const SequenceFrame& frame) {
+  header.insert(kFrameAttribute, Imf::IntAttribute(frame.number));
+  Imf::addFramesPerSecond(header, Imf::guessExactFps(frame.per_second));
+  const int rate = static_cast<int>(std::lround(frame.per_second));
+  const int seconds = rate > 0 ? frame.number / rate : 0;
+  if (frame.number < 0 || rate < 1 || rate > 30 || std::abs(frame.per_second - rate) > 0.0 || seconds >= 24 * 3600)
+    return; // what a time code cannot say
+  Imf::addTimeCode(header, {seconds / 3600, seconds / 60 % 60, seconds % 60, frame.number % rate});
+}
+
+// Attributes that other programs know, which every part has.
+void add_standard_attributes(Imf::Header& header, const PictureInfo& info) {
   const std::array<float, 8>& c = kRec709;
   Imf::addChromaticities(header, {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}});
-  for (const Channel& channel : picture.channels)
-    header.channels().insert(channel.name, Imf::Channel(half && !needs_float(channel.name) ? Imf::HALF : Imf::FLOAT));
-
-  const auto add_text = [&](const char* name, const std::string& text) {
-    header.insert(name, Imf::StringAttribute(text));
-  };
-  header.insert("wavepath.spp", Imf::IntAttribute(static_cast<int>(info.spp)));
-  header.insert("wavepath.seconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
-  if (info.error) header.insert("wavepath.error", Imf::FloatAttribute(static_cast<float>(*info.error)));
-  header.insert("wavepath.seed", Imf::IntAttribute(static_cast<int>(info.seed)));
-  add_text("wavepath.samples", info.samples);
-  add_text("wavepath.scene", info.scene);
-  add_text("wavepath.command", info.command);
-  add_text("wavepath.filter", info.filter);
-  add_text("wavepath.bias", info.bias);
-  if (!info.plan.empty()) add_text("wavepath.plan", info.plan);
-  if (!info.repeat.empty()) add_text("wavepath.repeat", info.repeat);
-  add_text("wavepath.version", WAVEPATH_VERSION);
-  if (info.film) {
-    add_text("wavepath.identity", info.identity);
-    add_text("wavepath.device", info.device);
-    header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
-    if (info.film->has_probes) add_text("wavepath.nets", kWithProbes);
-    if (info.film->quads) add_text("wavepath.shared", kQuads);
-    for (const std::string& channel : film_channels(info.film->shape()))
-      header.channels().insert(channel, Imf::Channel(Imf::UINT));
-  }
-  for (const auto& [name, text] : picture.texts) add_text(name.c_str(), text);
   header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
   header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.focus) Imf::addFocus(header, static_cast<float>(*info.focus));
+  if (info.exposure_seconds) Imf::addExpTime(header, static_cast<float>(*info.exposure_seconds));
+  if (info.frame) add_frame(header, *info.frame);
   if (info.view) {
     header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
     header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
   }
   if (info.world_to_camera) header.insert("worldToCamera", Imf::M44fAttribute(to_matrix(*info.world_to_camera)));
   if (info.world_to_ndc) header.insert("worldToNDC", Imf::M44fAttribute(to_matrix(*info.world_to_ndc)));
-  return header;
+}
+
+// What wavepath says of the render, in the first part alone.
+void add_own_attributes(Imf::Header& header, const PictureInfo& info) {
+  header.insert("wavepath.spp", Imf::IntAttribute(static_cast<int>(info.spp)));
+  header.insert("wavepath.seconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.error) header.insert("wavepath.error", Imf::FloatAttribute(static_cast<float>(*info.error)));
+  header.insert("wavepath.seed", Imf::IntAttribute(static_cast<int>(info.seed)));
+  add_text(header, "wavepath.samples", info.samples);
+  add_text(header, "wavepath.scene", info.scene);
+  add_text(header, "wavepath.command", info.command);
+  add_text(header, "wavepath.filter", info.filter);
+  add_text(header, "wavepath.bias", info.bias);
+  if (!info.plan.empty()) add_text(header, "wavepath.plan", info.plan);
+  if (!info.repeat.empty()) add_text(header, "wavepath.repeat", info.repeat);
+  add_text(header, "wavepath.version", WAVEPATH_VERSION);
+  if (!info.film) return;
+  add_text(header, "wavepath.identity", info.identity);
+  add_text(header, "wavepath.device", info.device);
+  header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
+  if (info.film->has_probes) add_text(header, "wavepath.nets", kWithProbes);
+  if (info.film->quads) add_text(header, "wavepath.shared", kQuads);
+}
+
+// One for each part.
+std::vector<Imf::Header> make_headers(const Picture& picture, const PictureInfo& info, const WriteOptions& options,
+                                      const std::vector<PicturePart>& parts) {
+  std::vector<Imf::Header> headers;
+  for (const PicturePart& part : parts) {
+    Imf::Header& header = headers.emplace_back(static_cast<int>(picture.width), static_cast<int>(picture.height));
+    header.compression() = kCompressions[static_cast<std::size_t>(part.compression)];
+    if (!part.name.empty()) {
+      header.setName(part.name);
+      header.setType(Imf::SCANLINEIMAGE);
+    }
+    add_standard_attributes(header, info);
+    if (headers.size() == 1) add_own_attributes(header, info);
+    for (const auto& [name, text] : picture.texts) add_text(header, name.c_str(), text);
+    std::string names;
+    for (const std::size_t i : part.channels) {
+      const std::string& channel = picture.channels[i].name;
+      const std::string written = written_name(options.layers, channel);
+      header.channels().insert(written, Imf::Channel(options.half && !needs_float(channel) ? Imf::HALF : Imf::FLOAT));
+      if (written != channel) names += fmt::format("{}={}\n", written, channel);
+    }
+    if (!names.empty()) add_text(header, kNamesAttribute, names);
+    if (part.sums)
+      for (const std::string& channel : film_channels(info.film->shape()))
+        header.channels().insert(channel, Imf::Channel(Imf::UINT));
+  }
+  return headers;
+}
+
+// Our own name of a channel of that part.
+std::string own_name(const Imf::Header& header, const std::string& written) {
+  const auto* names = header.findTypedAttribute<Imf::StringAttribute>(kNamesAttribute);
+  if (!names) return written;
+  const std::string text = "\n" + names->value(), key = "\n" + written + "=";
+  const std::size_t at = text.find(key);
+  if (at == std::string::npos) return written;
+  const std::size_t first = at + key.size();
+  return text.substr(first, text.find('\n', first) - first);
 }
 
 // Half copies of the channels that become half; `clamped` counts what did not fit.
@@ -224,7 +288,30 @@ std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint6
   return halves;
 }
 
-// Result of `read` on the header of an EXR; empty if the file is none, because reading the picture itself reports that.
+// A channel of a file of ours.
+struct StoredChannel {
+  std::string name, written; // ours, and that in the file
+  int part = 0;
+};
+
+// Appends the channels of a part, but for sums. False where the part is not as write_exr() leaves it.
+bool list_own_channels(const Imf::Header& header, int part, const Imath::Box2i& window,
+                       std::vector<StoredChannel>& channels) {
+  if (header.dataWindow() != window || header.displayWindow() != window || window.min != Imath::V2i(0, 0)) return false;
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities c = Imf::chromaticities(header);
+    if (!is_rec709({c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y})) return false;
+  }
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (std::string_view(channel.name()).starts_with(kFilmPrefix)) continue;
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) return false;
+    channels.push_back({own_name(header, channel.name()), channel.name(), part});
+  }
+  return true;
+}
+
+// What `read` finds in the header of an EXR; nothing if the file is none, because reading the picture itself says what
+// is wrong.
 template <class Read>
 auto read_header(const std::string& path, Read read) -> decltype(read(std::declval<const Imf::Header&>())) {
   if (picture_format(path) != PictureFormat::exr) return {};
@@ -246,38 +333,53 @@ auto read_header(const std::string& path, Read read) -> decltype(read(std::declv
 
 } // namespace
 
-std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half) {
+std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info,
+                        const WriteOptions& options) {
   Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
   std::uint64_t clamped = 0;
   std::vector<std::vector<Imath::half>> halves;
-  if (half) halves = to_half(picture, clamped);
+  if (options.half) halves = to_half(picture, clamped);
 
-  const Imf::Header header = make_header(picture, info, half);
-  Imf::FrameBuffer pixels;
-  for (std::size_t i = 0; i < picture.channels.size(); ++i) {
-    const Channel& channel = picture.channels[i];
-    const bool as_half = header.channels()[channel.name].type == Imf::HALF;
-    const void* values = as_half ? static_cast<const void*>(halves[i].data()) : channel.values.data();
-    const std::size_t size = as_half ? sizeof(Imath::half) : sizeof(float);
-    // OpenEXR takes a pointer to non-const for reading and writing alike.
-    pixels.insert(channel.name, Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT,
-                                           static_cast<char*>(const_cast<void*>(values)), size, size * picture.width));
-  }
+  const std::vector<PicturePart> parts = parts_of(picture, info.film != nullptr, options);
+  const std::vector<Imf::Header> headers = make_headers(picture, info, options, parts);
   ProbeSums probes(info.film ? info.film->shape() : FilmShape{});
-  if (info.film) {
+  if (info.film)
     for_each_probe(*info.film, [&](std::size_t entry, std::size_t pixel) {
       probes.pixels[pixel] = info.film->pixels[entry];
       if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[entry];
     });
-    insert_film(pixels, const_cast<Film&>(*info.film), probes);
-  }
+  const auto pixels_of = [&](const PicturePart& part) {
+    Imf::FrameBuffer pixels;
+    for (const std::size_t i : part.channels) {
+      const Channel& channel = picture.channels[i];
+      const bool as_half = options.half && !needs_float(channel.name);
+      const void* values = as_half ? static_cast<const void*>(halves[i].data()) : channel.values.data();
+      const std::size_t size = as_half ? sizeof(Imath::half) : sizeof(float);
+      // OpenEXR takes a pointer to non-const for reading and writing alike.
+      pixels.insert(written_name(options.layers, channel.name),
+                    Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT, static_cast<char*>(const_cast<void*>(values)), size,
+                               size * picture.width));
+    }
+    if (part.sums) insert_film(pixels, const_cast<Film&>(*info.film), probes);
+    return pixels;
+  };
 
   AtomicFile file(path);
   Stream stream(file, path);
+  const int height = static_cast<int>(picture.height);
   try {
-    Imf::OutputFile output(stream, header);
-    output.setFrameBuffer(pixels);
-    output.writePixels(static_cast<int>(picture.height));
+    if (parts.size() == 1) {
+      Imf::OutputFile output(stream, headers.front());
+      output.setFrameBuffer(pixels_of(parts.front()));
+      output.writePixels(height);
+    } else {
+      Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        Imf::OutputPart part(output, static_cast<int>(i));
+        part.setFrameBuffer(pixels_of(parts[i]));
+        part.writePixels(height);
+      }
+    }
   } catch (const std::exception& error) {
     stream.rethrow();
     throw Error(path, fmt::format("OpenEXR cannot write it ({})", error.what()), "report this");
@@ -290,40 +392,37 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
 std::optional<Picture> read_own_exr(const std::string& path) try {
   if (!regular_file_size(path)) return {};
   Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
-  Imf::InputFile input(path.c_str());
-  const Imf::Header& header = input.header();
-  const Imath::Box2i window = header.dataWindow();
-  // Only parts of a file with several parts have names.
-  const bool whole = window == header.displayWindow() && window.min == Imath::V2i(0, 0) && !header.hasName();
-  if (!whole || !header.findTypedAttribute<Imf::StringAttribute>("wavepath.version")) return {};
-  if (Imf::hasChromaticities(header)) {
-    const Imf::Chromaticities c = Imf::chromaticities(header);
-    if (!is_rec709({c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y})) return {};
-  }
-
-  std::vector<std::string> names;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    if (std::string_view(channel.name()).starts_with(kFilmPrefix)) continue;
-    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) return {};
-    names.emplace_back(channel.name());
-  }
-  const auto rank = [](const std::string& name) {
+  Imf::MultiPartInputFile input(path.c_str());
+  if (!input.header(0).findTypedAttribute<Imf::StringAttribute>("wavepath.version")) return {};
+  const Imath::Box2i window = input.header(0).dataWindow();
+  std::vector<StoredChannel> channels;
+  for (int part = 0; part < input.parts(); ++part)
+    if (!list_own_channels(input.header(part), part, window, channels)) return {};
+  const auto rank = [](const StoredChannel& channel) {
+    const std::string& name = channel.name;
     return std::pair(name.size() == 1 ? std::string_view("RGBA").find(name) : std::string_view::npos, name);
   };
-  std::ranges::sort(names, {}, rank);
-  if (names.size() < 3 || names[0] != "R" || names[1] != "G" || names[2] != "B") return {};
+  std::ranges::sort(channels, {}, rank);
+  if (channels.size() < 3 || channels[0].name != "R" || channels[1].name != "G" || channels[2].name != "B") return {};
 
   Picture picture{static_cast<std::uint32_t>(window.max.x) + 1, static_cast<std::uint32_t>(window.max.y) + 1, {}};
   const std::uint64_t pixel_count = std::uint64_t{picture.width} * picture.height;
   if (pixel_count > kMostPixels) return {};
-  require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
-  Imf::FrameBuffer pixels;
-  for (const std::string& name : names) {
-    std::vector<float>& values = picture.channels.emplace_back(Channel{name, std::vector<float>(pixel_count)}).values;
-    pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+  require_memory(path, "reading it", pixel_count * channels.size() * sizeof(float), "use a smaller picture");
+  std::vector<Imf::FrameBuffer> pixels(static_cast<std::size_t>(input.parts()));
+  for (const StoredChannel& channel : channels) {
+    std::vector<float>& values =
+        picture.channels.emplace_back(Channel{channel.name, std::vector<float>(pixel_count)}).values;
+    pixels[static_cast<std::size_t>(channel.part)].insert(channel.written,
+                                                          Imf::Slice::Make(Imf::FLOAT, values.data(), window));
   }
-  input.setFrameBuffer(pixels);
-  input.readPixels(window.min.y, window.max.y);
+  for (int part = 0; part < input.parts(); ++part) {
+    if (pixels[static_cast<std::size_t>(part)].begin() == pixels[static_cast<std::size_t>(part)].end())
+      continue; // sums
+    Imf::InputPart stored(input, part);
+    stored.setFrameBuffer(pixels[static_cast<std::size_t>(part)]);
+    stored.readPixels(window.min.y, window.max.y);
+  }
   return picture;
 } catch (const Error&) {
   throw;
@@ -358,12 +457,30 @@ std::optional<glm::dvec3> read_vector(const std::string& path, const std::string
   });
 }
 
+std::optional<SequenceFrame> read_frame(const std::string& path) {
+  return read_header(path, [](const Imf::Header& header) -> std::optional<SequenceFrame> {
+    const auto* number = header.findTypedAttribute<Imf::IntAttribute>(kFrameAttribute);
+    if (!number || !Imf::hasFramesPerSecond(header)) return std::nullopt;
+    return SequenceFrame{number->value(), static_cast<double>(Imf::framesPerSecond(header))};
+  });
+}
+
+bool is_lossy(const std::string& path) {
+  return read_header(path, [](const Imf::Header& header) {
+    const Imf::Compression by = header.compression();
+    return by != Imf::NO_COMPRESSION && by != Imf::RLE_COMPRESSION && by != Imf::ZIPS_COMPRESSION &&
+           by != Imf::ZIP_COMPRESSION && by != Imf::PIZ_COMPRESSION;
+  });
+}
+
 std::shared_ptr<const Film> read_film(const std::string& path) try {
   if (!regular_file_size(path)) throw Error(path, "cannot be read", "check the name");
-  Imf::InputFile input(path.c_str());
-  const Imf::ChannelList& channels = input.header().channels();
-  if (!channels.findChannel(film_channel(0))) return nullptr;
-  const Imath::Box2i window = input.header().dataWindow();
+  Imf::MultiPartInputFile file(path.c_str());
+  int part = 0;
+  while (part < file.parts() && !file.header(part).channels().findChannel(film_channel(0))) ++part;
+  if (part == file.parts()) return nullptr;
+  const Imf::ChannelList& channels = file.header(part).channels();
+  const Imath::Box2i window = file.header(part).dataWindow();
   FilmShape shape{static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1)};
   if (window.min.x != 0 || window.min.y != 0 || shape.pixels() > kMostPixels)
     throw Error(path, "holds no film that this version can read", "render it again");
@@ -383,6 +500,7 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   Imf::FrameBuffer pixels;
   ProbeSums probes(shape);
   insert_film(pixels, *film, probes);
+  Imf::InputPart input(file, part);
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
   for_each_probe(*film, [&](std::size_t entry, std::size_t pixel) {

@@ -1,4 +1,4 @@
-// OpenEXR files: scanline images, ZIP compressed, float or half; attributes about the render; exact sums.
+// OpenEXR files: scanline images, float or half, of one part or several; attributes about the render; exact sums.
 #pragma once
 
 #include <array>
@@ -8,10 +8,17 @@
 #include <string>
 
 #include "host/film/film.h"
+#include "host/picture/files/write_options.h"
 #include "host/picture/picture.h"
 #include "host/scene/staging/view.h"
 
 namespace wavepath {
+
+// Of a picture that is one of a sequence.
+struct SequenceFrame {
+  int number = 0;
+  double per_second = 0.0;
+};
 
 // Facts about the render that the header attributes of an EXR record.
 struct PictureInfo {
@@ -26,7 +33,10 @@ struct PictureInfo {
   std::string repeat; // command that renders the same bits; empty if there is none
   std::optional<View> view;
   std::optional<std::array<float, 16>> world_to_camera,
-      world_to_ndc; // where there is no view, as read_matrix gives them
+      world_to_ndc;                       // where there is no view, as read_matrix gives them
+  std::optional<double> focus;            // metres, of a camera with a depth of field
+  std::optional<double> exposure_seconds; // while the shutter is open
+  std::optional<SequenceFrame> frame;
   // Only for a picture that can be merged: its identity (identity.h), the device that rendered it, and its exact sums
   // in channels film.NN. `origin`: world position of the origin of the film's positions.
   std::string identity, device;
@@ -34,11 +44,13 @@ struct PictureInfo {
   std::shared_ptr<const Film> film;
 };
 
-// Writes a picture as write_picture() in picture_io.h does, which calls it. `half`: 16-bit floats.
-std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half);
+// Writes a picture as write_picture() in picture_io.h does, which calls it.
+std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info,
+                        const WriteOptions& options);
 
-// Reads a picture that write_exr() has written, without its exact sums. Empty if another program may have changed the
-// file or it cannot be read. It saves `compare` of two renders the 0.25 s of loading OpenImageIO.
+// Reads a picture that write_exr() has written: all parts, with our own names of channels, without its exact sums. Empty
+// if another program may have changed the file or it cannot be read. It saves `compare` of two renders the 0.25 s of
+// loading OpenImageIO.
 std::optional<Picture> read_own_exr(const std::string& path);
 
 // Prefix of the channels that hold exact sums.
@@ -52,6 +64,11 @@ std::optional<double> read_number(const std::string& path, const std::string& na
 
 std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
 std::optional<glm::dvec3> read_vector(const std::string& path, const std::string& name);
+
+std::optional<SequenceFrame> read_frame(const std::string& path);
+
+// True if the colours of an EXR were compressed with a loss.
+bool is_lossy(const std::string& path);
 
 // The exact sums of an EXR; null if it has none. Throws Error.
 std::shared_ptr<const Film> read_film(const std::string& path);

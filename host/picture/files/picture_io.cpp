@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "host/base/atomic_file.h"
@@ -53,17 +54,30 @@ std::uint64_t write_hdr(const std::string& path, const Picture& picture) {
   return clamped;
 }
 
-void write_display(const std::string& path, const Picture& picture, const WriteOptions& options, Encode encode) {
+// Appends the value in [0,1] as a whole number of the sample's range.
+template <class Sample>
+void append(std::vector<Sample>& samples, float value) {
+  samples.push_back(static_cast<Sample>(std::lround(static_cast<float>(std::numeric_limits<Sample>::max()) * value)));
+}
+
+void write_display(const std::string& path, const Picture& picture, const WriteOptions& options, std::uint32_t bits,
+                   Encode encode) {
   const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
   const std::array<const Channel*, 3> channels = shown_channels(picture);
   DecodedImage image{.shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}};
-  image.bytes.resize(3 * picture.channels[0].values.size());
-  for (std::size_t i = 0; i < image.bytes.size() / 3; ++i) {
+  const std::size_t pixels = picture.channels[0].values.size();
+  if (bits == 16)
+    image.words.reserve(3 * pixels);
+  else
+    image.bytes.reserve(3 * pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
     const glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
     const glm::vec3 shown = tonemap(options.tonemap, scale * radiance);
     for (int c = 0; c < 3; ++c)
-      image.bytes[3 * i + static_cast<std::size_t>(c)] =
-          static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
+      if (bits == 16)
+        append(image.words, to_srgb(shown[c]));
+      else
+        append(image.bytes, to_srgb(shown[c]));
   }
   write_encoded(path, [&] { return encode(image); });
 }
@@ -74,9 +88,12 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
                             const WriteOptions& options) {
   const std::optional<PictureFormat> format = picture_format(path);
   if (!format) throw Error(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
-  if (*format == PictureFormat::exr) return write_exr(path, picture, info, options.half);
+  if (*format == PictureFormat::exr) return write_exr(path, picture, info, options);
   if (*format == PictureFormat::hdr) return write_hdr(path, picture);
-  write_display(path, picture, options, *format == PictureFormat::png ? encode_png : encode_jpeg);
+  if (*format == PictureFormat::png)
+    write_display(path, picture, options, options.bits, encode_png);
+  else
+    write_display(path, picture, options, 8, encode_jpeg);
   return 0;
 }
 

@@ -8,17 +8,11 @@
 #include <string>
 
 #include "host/picture/files/exr.h"
+#include "host/picture/files/write_options.h"
 #include "host/picture/picture.h"
 #include "host/picture/picture_format.h"
-#include "host/picture/tonemap.h"
 
 namespace wavepath {
-
-struct WriteOptions {
-  bool half = false;                    // EXR: 16-bit floats
-  std::optional<double> exposure = 0.0; // PNG, JPG: radiance is scaled by 2^exposure; empty = auto_exposure()
-  Tonemap tonemap = Tonemap::neutral;
-};
 
 // Prefix of the channels of the filtered picture, if there is one: "denoised.R" and so on.
 inline constexpr const char* kShownPrefix = "denoised.";

@@ -9,7 +9,8 @@
 
 namespace wavepath {
 
-struct RenderState; // host/render/loop/render_state.h
+struct RenderResult; // host/render/loop/render_result.h
+struct RenderState;  // host/render/loop/render_state.h
 
 struct Progress {
   std::uint32_t spp_done = 0, spp_planned = 0;
@@ -34,6 +35,10 @@ struct RenderHooks {
   // Called about every save_interval seconds and at the end, with everything that a later render needs to continue.
   std::function<void(const RenderState&)> save{};
   double save_interval = 30.0;
+  // Called about every publish_interval seconds, when all pixels have the same samples; with several devices, after a
+  // round. The argument is what an interrupt would give at this moment.
+  std::function<void(const RenderResult&)> publish{};
+  double publish_interval = 0.0;
   bool salvages = false; // true: after a lost device the render ends with what it has; false: it throws DeviceLost
   const RenderState* resume = nullptr; // state to continue from, of the same scene, view and settings; null = begin
 };

@@ -145,6 +145,7 @@ bool RenderLoop::step() {
   submit_next_wave();
   if (is_pass_submitted()) end_pass();
   if (is_save_due() && (traces_paths() || !in_pass())) save();
+  if (is_publish_due()) publish();
   if (is_show_due()) show();
   return true;
 }
@@ -160,7 +161,7 @@ void RenderLoop::begin() {
     goes_on = pilot && !stopped_ && integrator_->end_pilot();
   }
   if (hooks_.resume) restore(*hooks_.resume);
-  last_save_ = Clock::now();
+  last_save_ = last_publish_ = Clock::now();
   if (hooks_.resume && !stopped_ && is_look_due()) checkpoint(); // the interrupt came before it
   if (is_adaptive(settings_) && spp() == 0 && !in_pass()) adapt_levels();
   pass_began_busy_ = queue_.totals.busy_seconds; // of no pass

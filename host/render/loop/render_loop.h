@@ -133,6 +133,8 @@ private:
   bool has_film() const { return film_ && film_sample_ == cursor_.sample && !in_pass(); }
   bool is_save_due() const;
   void save();
+  bool is_publish_due() const;
+  void publish();
   bool is_show_due() const;
   void show();
   RenderState state();
@@ -166,7 +168,7 @@ private:
   Totals film_totals_;
   RenderResult result_;
 
-  Clock::time_point clock_start_{}, last_save_{}, next_show_{};
+  Clock::time_point clock_start_{}, last_save_{}, last_publish_{}, next_show_{};
   double seconds_before_ = 0.0;
   bool running_ = false;
 };

@@ -161,6 +161,36 @@ void RenderLoop::save() {
   resume_clock();
 }
 
+bool RenderLoop::is_publish_due() const {
+  return hooks_.publish && !in_pass() && !is_done() && seconds_since(last_publish_) >= hooks_.publish_interval;
+}
+
+// What finish() would give, while the render goes on.
+void RenderLoop::publish() {
+  queue_.drain();
+  collect_estimates(true);
+  if (stopped_) return;
+  const auto film = std::make_shared<const Film>(workspace_.film.download());
+  pause_clock();
+  RenderResult so_far = result_;
+  so_far.film = film;
+  so_far.picture = develop(*film, settings_.aovs, workspace_.scene.origin);
+  so_far.spp = samples_per_pixel();
+  so_far.stop = StopReason::interrupted;
+  so_far.even = levels_.empty();
+  so_far.error = estimate_error(*film);
+  so_far.seconds = seconds();
+  so_far.gpu_seconds = gpu_seconds(queue_.totals);
+  so_far.rays = queue_.totals.rays;
+  so_far.stages = queue_.totals.stages;
+  so_far.nonfinite = queue_.totals.nonfinite;
+  so_far.slope = fit_slope(so_far.checkpoints, Against::seconds);
+  so_far.memory = memory();
+  hooks_.publish(so_far);
+  last_publish_ = Clock::now();
+  resume_clock();
+}
+
 bool RenderLoop::is_show_due() const {
   const bool has_picture = is_first_pass_complete() && (traces_paths() || !in_pass());
   return hooks_.show && has_picture && Clock::now() >= next_show_;

@@ -302,32 +302,43 @@ private:
     if (hooks_.checkpoint) hooks_.checkpoint(all.checkpoints.back(), develop(*film_, settings_.aovs, origin_));
     all.estimate_seconds += seconds_since(start);
     if (hooks_.show) hooks_.show(develop(*film_, settings_.aovs, origin_));
+    if (hooks_.publish && done_ < planned() && seconds_since(last_publish_) >= hooks_.publish_interval) {
+      RenderResult interrupted = so_far();
+      interrupted.stop = StopReason::interrupted;
+      hooks_.publish(interrupted);
+      last_publish_ = Clock::now();
+    }
     const bool reached = settings_.target_error > 0.0 && done_ >= kFewest && has_estimate(done_, all.error) &&
                          all.error.relative_rms <= settings_.target_error;
     if (reached) all.stop = StopReason::target_error;
     return reached;
   }
 
-  MultiDeviceResult finish() {
-    RenderResult& all = result_.result;
-    if (!film_) throw Error("--devices", "the render was stopped before its first sample", "let it run");
-    all.film = film_;
+  RenderResult so_far() const {
+    RenderResult all = result_.result;
+    all.film = std::make_shared<const Film>(*film_);
     all.picture = develop(*film_, settings_.aovs, origin_);
     all.spp = done_;
     all.seconds = seconds_;
+    all.even &= has_no_holes();
+    return all;
+  }
+
+  MultiDeviceResult finish() {
+    if (!film_) throw Error("--devices", "the render was stopped before its first sample", "let it run");
+    result_.result = so_far();
     for (const auto& worker : workers_) {
       std::ranges::sort(worker->work.ranges, {}, &SampleRange::first);
       result_.device_work.push_back(worker->work);
     }
-    all.even &= has_no_holes();
     return std::move(result_);
   }
 
   // Samples that were left, by a stop or a lost device, may lie between others.
   bool has_no_holes() const {
     std::vector<SampleRange> ranges;
-    for (const DeviceWork& work : result_.device_work)
-      ranges.insert(ranges.end(), work.ranges.begin(), work.ranges.end());
+    for (const auto& worker : workers_)
+      ranges.insert(ranges.end(), worker->work.ranges.begin(), worker->work.ranges.end());
     std::ranges::sort(ranges, {}, &SampleRange::first);
     std::uint32_t next = settings_.first_sample;
     for (const SampleRange& range : ranges) {
@@ -347,6 +358,7 @@ private:
   std::shared_ptr<Film> film_;
   std::uint32_t done_ = 0; // samples of every pixel
   double seconds_ = 0.0;
+  Clock::time_point last_publish_ = Clock::now();
   std::exception_ptr lost_;
   MultiDeviceResult result_;
 };
