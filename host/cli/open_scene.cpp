@@ -24,15 +24,16 @@ void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scen
 } // namespace
 
 OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
-                     std::span<const char* const> window_extensions) {
+                     std::span<const char* const> window_extensions, bool stays_open) {
   OpenScene open;
   auto opening =
       std::async(std::launch::async, [&] { return std::make_unique<Device>(render.device, window_extensions); });
-  open.loaded = load_scene(scene, [&](const Scene& described) {
+  const auto begin = [&](const Scene& described) {
     open.device = opening.get();
     open.kernels = std::make_unique<KernelCompiler>(*open.device);
     begin_kernels(*open.kernels, open.device->info(), described, render.settings);
-  });
+  };
+  open.loaded = load_scene(scene, begin, stays_open);
   return open;
 }
 

@@ -20,9 +20,9 @@ struct OpenScene {
 };
 
 // The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.
-// `window_extensions`: as Device takes them. Throws Error.
+// `window_extensions`: as Device takes them. `stays_open`: as load_scene() takes it. Throws Error.
 OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
-                     std::span<const char* const> window_extensions = {});
+                     std::span<const char* const> window_extensions = {}, bool stays_open = false);
 
 // Throws Error unless there is such a file.
 void require_file(const std::string& path);

@@ -9,11 +9,15 @@
 #include "host/cli/render_request.h"
 #include "host/cli/render_run.h"
 #include "host/cli/scene_flags.h"
+#include "host/cli/sequence.h"
+#include "host/cli/sequence_request.h"
 
 namespace wavepath {
 namespace {
 
 int run_render(RenderCommandRequest& request) {
+  check_sequence(request.sequence, request.scene.load.animation);
+  if (request.sequence.frames) return render_sequence(request);
   const std::optional<Picture> reference = resolve(request);
   Prepared prepared = prepare(request);
   require_writers(request.output);
@@ -33,6 +37,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_output_flags(*command, request->output);
   add_scene_flags(*command, request->scene, true);
   add_shutter_flag(*command, request->scene);
+  add_sequence_flags(*command, request->sequence);
   add_view_flags(*command, request->scene.view);
   add_picture_flags(*command, kByRender, request->render);
   add_stop_flags(*command, request->render);

@@ -54,23 +54,36 @@ bool is_told(const RenderCommandRequest& request, const Decision& decision) {
 } // namespace
 
 Prepared prepare(const RenderCommandRequest& request) {
-  const RenderPlan& settings = request.render.settings;
   const Clock::time_point start = Clock::now();
+  LoadedScene loaded; // which is freed here: rendering needs the packed one
+  Prepared prepared = open(request, loaded, false);
+  pack_scene(request, loaded, prepared);
+  prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
+  return prepared;
+}
+
+Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool stays_open) {
   Prepared prepared;
   if (!request.output.tev.empty()) prepared.viewer = std::make_unique<TevViewer>(request.output.tev);
-  OpenScene open = open_scene(request.scene, request.render); // its scene is freed here: rendering needs the packed one
-  prepared.device = std::move(open.device);
-  prepared.kernels = std::move(open.kernels);
+  OpenScene opened = open_scene(request.scene, request.render, {}, stays_open);
+  prepared.device = std::move(opened.device);
+  prepared.kernels = std::move(opened.kernels);
+  loaded = std::move(opened.loaded);
   for (const std::string& wanted : request.render.other_devices) {
     OtherDevice& other = prepared.others.emplace_back();
     other.device = std::make_unique<Device>(wanted);
     other.kernels = std::make_unique<KernelCompiler>(*other.device);
   }
+  if (!request.render.pixel) refuse_overwriting(targets_of(request), loaded.scene.files);
+  if (!request.output.quiet) print_light(loaded);
+  return prepared;
+}
+
+void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared, PackMemory* memory) {
+  const RenderPlan& settings = request.render.settings;
   const DeviceInfo& device = prepared.device->info();
-  Scene& scene = open.loaded.scene;
-  if (!request.render.pixel) refuse_overwriting(targets_of(request), scene.files);
-  if (!request.output.quiet) print_light(open.loaded);
-  const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
+  Scene& scene = loaded.scene;
+  const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
   Packing packing{.direct = direct_of(settings),
@@ -86,12 +99,10 @@ Prepared prepare(const RenderCommandRequest& request) {
   prepared.memory->require(settings);
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed = pack(scene, packing);
+  prepared.packed = memory ? pack_again(scene, packing, *memory) : pack(scene, packing);
   prepared.warnings = scene.warnings;
   if (const std::string& reference = request.output.reference; !reference.empty() && is_lossy(reference))
     prepared.warnings.add(reference + ": was compressed with a loss, which the true error holds as well");
-  prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
-  return prepared;
 }
 
 void plan_render(const RenderCommandRequest& request, Prepared& prepared) {

@@ -15,6 +15,7 @@
 #include "host/render/render.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/pack/pack_memory.h"
 
 namespace wavepath {
 
@@ -42,6 +43,12 @@ struct Prepared {
 
 // Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
 Prepared prepare(const RenderCommandRequest& request);
+
+// The two halves of prepare(), for scenes that are packed in several poses. `stays_open`: as load_scene() takes it.
+// `memory`: as pack_again() takes it; null = the scene is packed once.
+Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool stays_open);
+void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared,
+                PackMemory* memory = nullptr);
 
 // Makes the pilots and the plan (host/plan/plan.h), and prints the decisions that a user should know. Throws Error.
 void plan_render(const RenderCommandRequest& request, Prepared& prepared);

@@ -7,10 +7,14 @@
 
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
+#include "host/cli/sequence_request.h"
 #include "host/picture/picture.h"
 #include "host/plan/record.h"
+#include "host/render/report/stats.h"
 
 namespace wavepath {
+
+class ProgressDisplay;
 
 struct RenderCommandRequest {
   SceneRequest scene;
@@ -18,6 +22,9 @@ struct RenderCommandRequest {
   OutputRequest output;
   std::string command_line;
   std::optional<PlanRecord> recorded; // decisions read from the file of --plan; empty without --plan
+  SequenceRequest sequence;
+  std::optional<FrameReport> frame;    // frame of the sequence that this render is; empty = no sequence
+  ProgressDisplay* progress = nullptr; // display of all frames; null = the render shows its own
 };
 
 // Every file that the command writes.

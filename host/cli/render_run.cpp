@@ -25,13 +25,16 @@ namespace {
 template <class Begin>
 auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const Begin& begin) {
   const RenderPlan& settings = request.render.settings;
-  ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
+  ProgressDisplay own(request.output.quiet, settings.time_limit, settings.target_error);
+  ProgressDisplay& display = request.progress ? *request.progress : own;
   catch_interrupts();
   hooks.progress = [&](const Progress& progress) {
     display.show(progress);
     return !interrupted();
   };
-  return begin(hooks);
+  auto result = begin(hooks);
+  display.clear();
+  return result;
 }
 
 // What the pilot of a render learns of lights. One sample of the picture is rendered besides.

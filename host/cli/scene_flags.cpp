@@ -129,6 +129,12 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
              if (request.load.shutter->second < request.load.shutter->first)
                value.refuse("closes before it opens", "give the earlier moment first");
            });
+  add_flag(app, "Scene",
+           {"--staged-at", "SECONDS",
+            "time in the animation whose pose decides what the file leaves open: framing, default light, height of "
+            "--ground",
+            "the moment of the picture", kAdvanced},
+           [&](const FlagValue& value) { request.staged_at = value.number(-kLargest, kLargest); });
 }
 
 void check_shutter(const SceneRequest& request, RenderPlan& settings) {
@@ -160,6 +166,7 @@ std::string flags_of(const SceneRequest& request) {
   add("--animation", load.animation);
   if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
   if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
+  if (request.staged_at) add("--staged-at", fmt::format("{}", *request.staged_at));
   add("--env", request.environment);
   if (request.environment_intensity != 1.0) add("--env-intensity", fmt::format("{}", request.environment_intensity));
   if (request.environment_degrees != 0.0) add("--env-rotation", fmt::format("{}", request.environment_degrees));
@@ -196,14 +203,17 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
            });
 }
 
-LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described) {
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
   LoadedScene loaded;
+  SceneRequest staged = request;
+  if (request.staged_at) staged.load.at = *request.staged_at, staged.load.shutter.reset();
   // Beside the scene: what reads pictures may have to be loaded itself.
   std::future<Environment> environment;
   if (!request.environment.empty())
     environment = std::async(std::launch::async, [&] { return requested_environment(request); });
   loaded.sun = request.sun;
-  loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
+  loaded.file = std::make_shared<GltfFile>(request.path);
+  loaded.scene = loaded.file->load(staged.load, [&](Scene& scene) {
     if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
     const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
@@ -218,7 +228,20 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
     if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });
+  if (staged.load.at != request.load.at || staged.load.shutter != request.load.shutter) pose_again(request, loaded);
+  if (!stays_open) loaded.file.reset();
   return loaded;
+}
+
+bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  Environment environment = std::move(scene.environment);
+  scene = loaded.file->pose(request.load, std::move(scene));
+  scene.environment = std::move(environment);
+  if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+  if (request.ground) add_ground(scene, loaded.framing.bounds);
+  return loaded.file->is_still();
 }
 
 void print_light(const LoadedScene& loaded) {

@@ -1,6 +1,7 @@
 // The flags of scene file, pose, camera and environment.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,11 +27,13 @@ struct SceneRequest {
   bool ground = false;
   std::optional<glm::dvec2> sun; // degrees: azimuth from +X towards +Z, elevation
   bool sun_if_unlit = false;     // a scene without lights gets a sun, for studies of lamp shadows
+  // Moment whose pose decides what the file leaves open: framing, light, ground. Empty = the moment of the picture.
+  std::optional<double> staged_at;
 };
 
 // Adds SCENE and its flags. `request` must outlive the parsing of `app`. `required`: false = SCENE may be left out.
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
-// --shutter, for commands whose integrators can see motion.
+// --shutter and --staged-at, for commands whose integrators can see motion.
 void add_shutter_flag(CLI::App& app, SceneRequest& request);
 // Refuses a shutter that the integrator cannot show, or that opens where nothing moves. Sets the shutter's members of
 // `settings`. Throws UsageError.
@@ -45,15 +48,20 @@ void add_view_flags(CLI::App& app, ViewRequest& request);
 // A scene that is lit and can be framed.
 struct LoadedScene {
   Scene scene;
-  Framing framing;               // proposal for the camera if the scene has none; does not count the floor of --ground
-  std::string light;             // one line that says what lights the scene and why; empty if --env was given
-  bool room_lamp = false;        // true if the last light is the lamp that room_lamp() added
-  std::optional<glm::dvec2> sun; // direction of the sun that was added, in degrees as SceneRequest::sun
+  Framing framing;                // proposal for the camera if the scene has none; does not count the floor of --ground
+  std::string light;              // one line that says what lights the scene and why; empty if --env was given
+  bool room_lamp = false;         // true if the last light is the lamp that room_lamp() added
+  std::optional<glm::dvec2> sun;  // direction of the sun that was added, in degrees as SceneRequest::sun
+  std::shared_ptr<GltfFile> file; // stays open for pose_again(), if that was asked for
 };
 
 // Reads the scene, adds its environment, and adds the floor of --ground. `described`: called as load_gltf() does, with
-// both included. Throws Error.
-LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
+// both included. `stays_open`: for pose_again(). Throws Error.
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described = {}, bool stays_open = false);
+
+// Poses the scene at the moment of `request`, which must not differ otherwise from the request that loaded it. Returns
+// true if every vertex is where it was. Throws Error.
+bool pose_again(const SceneRequest& request, LoadedScene& loaded);
 
 // Prints on stderr what lights the scene, unless the user chose it.
 void print_light(const LoadedScene& loaded);

@@ -148,6 +148,20 @@ Json settings_json(const RenderPlan& settings) {
   return object;
 }
 
+// A picture that is no frame has no such key.
+Json frame_json(const FrameReport& frame) {
+  Json kept = Json::array();
+  if (frame.kept_surfaces) kept.push_back("surfaces");
+  if (frame.kept_geometry) kept.push_back("geometry");
+  return {{"number", frame.number},
+          {"at", frame.at},
+          {"fps", frame.fps},
+          {"turned", frame.turned},
+          {"seconds", {{"pose", frame.pose_seconds}, {"pack", frame.pack_seconds}}},
+          {"kept", kept},
+          {"built_triangles", frame.built_triangles}};
+}
+
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderPlan& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
@@ -253,7 +267,7 @@ Json stats_document(const Run& run) {
   for (const StageTime& stage : result.stages)
     stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"dispatches", stage.dispatches}});
 
-  return {
+  Json document = {
       {"wavepath", WAVEPATH_VERSION},
       {"scene", run.scene},
       {"command", run.command},
@@ -298,6 +312,8 @@ Json stats_document(const Run& run) {
       {"checkpoints", checkpoints},
       {"gpu_seconds", result.gpu_seconds},
       {"stages", stages}};
+  if (run.frame) document["frame"] = frame_json(*run.frame);
+  return document;
 }
 
 std::string to_text(const Json& document) {

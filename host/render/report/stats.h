@@ -16,6 +16,16 @@
 
 namespace wavepath {
 
+// A picture that is a frame of a sequence.
+struct FrameReport {
+  std::uint32_t number = 0;
+  double at = 0.0, fps = 0.0; // seconds in the animation, of --at; frames a second
+  double turned = 0.0;        // degrees, of a turntable
+  double pose_seconds = 0.0, pack_seconds = 0.0;
+  bool kept_surfaces = false, kept_geometry = false; // from the frame before
+  std::uint64_t built_triangles = 0;                 // triangles of the trees that were built for this frame
+};
+
 // An execution of `wavepath render`, the input of the stats document. The references must stay valid while it is made.
 struct Run {
   std::string scene, command;
@@ -32,6 +42,7 @@ struct Run {
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
   std::vector<Decision> plan{};              // decisions with their outcomes (add_outcomes())
+  std::optional<FrameReport> frame{};        // empty = no sequence
   std::string repeat{};                      // command that renders the same bits; empty if there is none
   const MultiDeviceResult* shared = nullptr; // result of --devices; null on one device
 };

@@ -110,6 +110,30 @@ std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bo
   return image;
 }
 
+// What of a scene on the device goes over to the next one.
+DeviceScene take_kept(DeviceScene before, const KeptParts& parts) {
+  DeviceScene kept;
+  if (parts.surfaces) {
+    kept.textures = std::move(before.textures);
+    kept.texels = std::move(before.texels);
+    kept.srgb_table = std::move(before.srgb_table);
+    kept.atlases = std::move(before.atlases);
+    kept.environment = std::move(before.environment);
+    kept.environment_ends = std::move(before.environment_ends);
+  }
+  if (parts.geometry) {
+    kept.nodes = std::move(before.nodes);
+    kept.instances = std::move(before.instances);
+    if (before.queries) kept.queries.emplace(std::move(*before.queries));
+    kept.triangles = std::move(before.triangles);
+    kept.triangle_vertices = std::move(before.triangle_vertices);
+    kept.vertex_normals = std::move(before.vertex_normals);
+    kept.vertex_uvs = std::move(before.vertex_uvs);
+    kept.vertex_colors = std::move(before.vertex_colors);
+  }
+  return kept;
+}
+
 bool any_sampled(const PackedScene& scene) { return !scene.atlases[0].empty() || !scene.atlases[1].empty(); }
 
 } // namespace
@@ -134,6 +158,11 @@ std::vector<Binding> atlas_bindings(const AtlasImages& images) {
 }
 
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query) {
+  return upload_next_scene(device, scene, by_query, {}, {});
+}
+
+DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_query, DeviceScene before,
+                              const KeptParts& kept) {
   const DeviceInfo& info = device.info();
   constexpr std::uint64_t kPage = sizeof(std::uint32_t) << gpu::kTexelPageShift;
   const std::uint64_t wide = std::min(16 * info.max_texels(16), info.max_allocation);
@@ -165,30 +194,34 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
                             info.memory_bytes / 1048576.0),
                 "simplify the scene or choose another device with --device");
 
-  DeviceScene result;
-  if (by_query) {
-    QueryScene queries = make_query_scene(device, scene);
-    result.nodes = upload(device, queries.items);
-    result.instances = upload(device, queries.instances);
-    result.queries.emplace(std::move(queries.structures));
-  } else {
-    result.nodes = upload(device, scene.nodes);
-    result.instances = upload(device, scene.instances);
+  DeviceScene result = take_kept(std::move(before), kept); // what does not go over makes room
+  if (!kept.geometry) {
+    if (by_query) {
+      QueryScene queries = make_query_scene(device, scene);
+      result.nodes = upload(device, queries.items);
+      result.instances = upload(device, queries.instances);
+      result.queries.emplace(std::move(queries.structures));
+    } else {
+      result.nodes = upload(device, scene.nodes);
+      result.instances = upload(device, scene.instances);
+    }
+    result.triangles = scene.moves() ? upload(device, with_motions(scene)) : upload(device, scene.triangles);
+    result.triangle_vertices = upload(device, scene.triangle_vertices);
+    result.vertex_normals = upload(device, scene.vertex_normals);
+    result.vertex_uvs = upload(device, scene.vertex_uvs);
+    result.vertex_colors = upload(device, scene.vertex_colors);
   }
-  result.triangles = scene.moves() ? upload(device, with_motions(scene)) : upload(device, scene.triangles);
-  result.triangle_vertices = upload(device, scene.triangle_vertices);
-  result.vertex_normals = upload(device, scene.vertex_normals);
-  result.vertex_uvs = upload(device, scene.vertex_uvs);
-  result.vertex_colors = upload(device, scene.vertex_colors);
   result.materials = upload(device, material_bytes(scene));
-  result.textures = upload(device, scene.textures);
-  result.texels = upload_pages(device, scene.texels);
-  result.srgb_table = upload(device, scene.texels.empty() ? std::vector<float>{} : srgb_decoding());
-  if (any_sampled(scene)) result.atlases = upload_atlases(device, scene.atlases);
+  if (!kept.surfaces) {
+    result.textures = upload(device, scene.textures);
+    result.texels = upload_pages(device, scene.texels);
+    result.srgb_table = upload(device, scene.texels.empty() ? std::vector<float>{} : srgb_decoding());
+    if (any_sampled(scene)) result.atlases = upload_atlases(device, scene.atlases);
+    result.environment = upload(device, scene.environment);
+    result.environment_ends = upload(device, scene.environment_ends);
+  }
   result.lights = upload(device, light_words(scene));
   result.light_tree = upload(device, scene.light_tree);
-  result.environment = upload(device, scene.environment);
-  result.environment_ends = upload(device, scene.environment_ends);
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "host/gpu/acceleration.h"
 #include "host/gpu/kernel.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/pack/pack_memory.h"
 
 namespace wavepath {
 
@@ -37,5 +38,10 @@ struct DeviceScene {
 // the device's limits or memory cannot hold the scene. The size of structures for ray queries is known to the driver
 // alone, so they may throw later.
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query = false);
+
+// The same of a scene that was packed again. `before`: the one packed before, of which `kept` was taken over; those
+// parts go over on the device as well, and nothing is left of it.
+DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_query, DeviceScene before,
+                              const KeptParts& kept);
 
 } // namespace wavepath

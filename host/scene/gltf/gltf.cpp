@@ -24,9 +24,22 @@
 #include "host/scene/gltf/uri.h"
 
 namespace wavepath {
+
+namespace gltf {
+
+// What an import leaves behind for the next one.
+struct Imported {
+  MaterialMap materials;
+  std::map<MeshUse, std::uint32_t> meshes;
+  std::size_t material_count = 0; // of the scene, before others added theirs
+};
+
+} // namespace gltf
+
 namespace {
 
 using gltf::Document;
+using gltf::Imported;
 
 // A mesh that is flattened, and along what.
 using FlatUse = std::tuple<std::uint32_t, double, double, double>;
@@ -40,7 +53,8 @@ struct Import {
   gltf::MaterialMap materials{};
   std::map<gltf::MeshUse, std::uint32_t> meshes{};
   std::map<FlatUse, std::uint32_t> flat_meshes{};
-  std::vector<glm::dmat4> upright{}; // of Scales::signs, once one is needed
+  std::vector<glm::dmat4> upright{};           // of Scales::signs, once one is needed
+  std::map<gltf::MeshUse, Mesh> read_before{}; // meshes that need not be read again
 };
 
 bool is_affine(const glm::dmat4& matrix) {
@@ -125,7 +139,9 @@ void place_mesh(Import& import, std::size_t node_index) {
   const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
   gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
   const auto [found, is_new] = import.meshes.emplace(use, 0);
-  if (is_new)
+  if (const auto kept = import.read_before.find(use); is_new && kept != import.read_before.end())
+    found->second = add_mesh(import, std::move(kept->second));
+  else if (is_new)
     found->second =
         add_mesh(import, gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
   const std::uint32_t mesh = found->second;
@@ -235,21 +251,47 @@ void place_light(Import& import, std::size_t node_index) {
   import.scene.lights.push_back(light);
 }
 
-// The scene at one moment. `decode`: its images too.
-Scene load_moment(const std::filesystem::path& path, const LoadOptions& options, double seconds, bool decode,
-                  const SceneDescribed& described) {
-  Document document = gltf::open_document(path);
+// What the file says of its scene whatever the moment.
+Scene begin_scene(const Document& document) {
   Scene scene;
-  scene.path = path.string();
+  scene.path = document.path.string();
   for (const auto* sources : {&document.buffers, &document.images})
     for (const gltf::Source& source : *sources)
       if (!source.uri.empty() && !gltf::is_data_uri(source.uri))
-        if (const auto file = gltf::resolve_uri(path.parent_path(), source.uri)) scene.files.push_back(file->string());
+        if (const auto file = gltf::resolve_uri(document.path.parent_path(), source.uri))
+          scene.files.push_back(file->string());
   scene.extensions_used = document.model.extensionsUsed;
-  gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
-  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
-  Import import{document, scene, gltf::world_matrices(document), options.shutter.has_value()};
   for (const tinygltf::Node& node : document.model.nodes) scene.node_names.push_back(node.name);
+  return scene;
+}
+
+// Poses the document, and finds out where its nodes are then.
+std::vector<glm::dmat4> pose_nodes(Document& document, Scene& scene, const LoadOptions& options, double seconds) {
+  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
+  return gltf::world_matrices(document);
+}
+
+void place_nodes(Import& import, const std::vector<int>& nodes, const std::vector<bool>& hidden) {
+  for (const int node_index : nodes) {
+    const auto index = static_cast<std::size_t>(node_index);
+    const tinygltf::Node& node = import.document.model.nodes[index];
+    if (node.camera >= 0) place_camera(import, index); // visibility affects no cameras
+    if (hidden[index]) continue;
+    const std::size_t placed = import.scene.instances.size();
+    if (node.mesh >= 0) place_mesh(import, index);
+    for (std::size_t i = placed; i < import.scene.instances.size(); ++i)
+      import.scene.instances[i].node = static_cast<std::uint32_t>(index);
+    place_light(import, index);
+  }
+  if (import.scene.instances.empty()) import.scene.warnings.add("scene shows no mesh");
+}
+
+// The scene at one moment. `decode`: its images too.
+Scene load_moment(Document& document, const LoadOptions& options, double seconds, bool decode,
+                  const SceneDescribed& described, Imported* imported = nullptr) {
+  Scene scene = begin_scene(document);
+  gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
+  Import import{document, scene, pose_nodes(document, scene, options, seconds), options.shutter.has_value()};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   const std::vector<bool> hidden = gltf::hidden_nodes(document);
   for (const int node_index : nodes)
@@ -258,31 +300,78 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
   std::future<std::vector<Image>> images;
   if (decode)
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
-  for (const int node_index : nodes) {
-    const auto index = static_cast<std::size_t>(node_index);
-    const tinygltf::Node& node = document.model.nodes[index];
-    if (node.camera >= 0) place_camera(import, index); // visibility affects no cameras
-    if (hidden[index]) continue;
-    const std::size_t placed = scene.instances.size();
-    if (node.mesh >= 0) place_mesh(import, index);
-    for (std::size_t i = placed; i < scene.instances.size(); ++i)
-      scene.instances[i].node = static_cast<std::uint32_t>(index);
-    place_light(import, index);
-  }
-  if (scene.instances.empty()) scene.warnings.add("scene shows no mesh");
+  place_nodes(import, nodes, hidden);
+  if (imported) *imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
   if (described) described(scene);
   if (decode) scene.images = images.get();
   return scene;
 }
 
+// Whether every instance and vertex is where it was. Meshes that went over have left nothing in `before`.
+bool has_same_shape(const Scene& before, const Scene& scene) {
+  const auto same_mesh = [](const Mesh& a, const Mesh& b) {
+    return a.positions == b.positions && a.normals == b.normals && a.tangents == b.tangents;
+  };
+  if (before.instances.size() < scene.instances.size()) return false; // others may have added some
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance &a = before.instances[i], &b = scene.instances[i];
+    if (a.world_from_object != b.world_from_object || a.mesh != b.mesh) return false;
+    const Mesh& kept = before.meshes[a.mesh]; // without vertices where it went over
+    if (!kept.positions.empty() && !same_mesh(kept, scene.meshes[b.mesh])) return false;
+  }
+  return true;
+}
+
 } // namespace
 
-Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
-  if (!options.shutter) return load_moment(path, options, options.at, true, described);
-  const auto& [open, close] = *options.shutter;
-  Scene scene = load_moment(path, options, open, true, described);
-  if (close != open) gltf::add_motion(scene, load_moment(path, options, close, false, {}));
+struct GltfFile::State {
+  gltf::Document document;
+  gltf::Imported imported;
+  bool is_still = false;
+};
+
+GltfFile::GltfFile(const std::filesystem::path& path) : state_(new State{gltf::open_document(path), {}}) {}
+
+GltfFile::~GltfFile() = default;
+
+bool GltfFile::is_still() const { return state_->is_still; }
+
+Scene GltfFile::load(const LoadOptions& options, const SceneDescribed& described) {
+  Document& document = state_->document;
+  const double seconds = options.shutter ? options.shutter->first : options.at;
+  Scene scene = load_moment(document, options, seconds, true, described, &state_->imported);
+  if (options.shutter && options.shutter->second != seconds)
+    gltf::add_motion(scene, load_moment(document, options, options.shutter->second, false, {}));
   return scene;
+}
+
+Scene GltfFile::pose(const LoadOptions& options, Scene before) {
+  Document& document = state_->document;
+  Imported& imported = state_->imported;
+  if (options.shutter) { // motion changes meshes, so that all are read again
+    Scene scene = load_moment(document, options, options.shutter->first, false, {}, &imported);
+    if (options.shutter->second != options.shutter->first)
+      gltf::add_motion(scene, load_moment(document, options, options.shutter->second, false, {}));
+    scene.images = std::move(before.images);
+    state_->is_still = false;
+    return scene;
+  }
+  Scene scene = begin_scene(document);
+  Import import{document, scene, pose_nodes(document, scene, options, options.at)};
+  import.materials = std::move(imported.materials);
+  scene.materials = std::move(before.materials);
+  scene.materials.resize(imported.material_count);
+  for (auto& [use, mesh] : imported.meshes)
+    if (use.skin < 0 && !before.meshes[mesh].moves()) import.read_before.emplace(use, std::move(before.meshes[mesh]));
+  place_nodes(import, gltf::scene_nodes(document, options.scene), gltf::hidden_nodes(document));
+  imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
+  state_->is_still = has_same_shape(before, scene);
+  scene.images = std::move(before.images);
+  return scene;
+}
+
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
+  return GltfFile(path).load(options, described);
 }
 
 } // namespace wavepath

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,5 +27,26 @@ struct LoadOptions {
 // Scene::warnings. Meshes, materials and images that the chosen scene does not use are neither read nor decoded.
 Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options = {},
                 const SceneDescribed& described = {});
+
+// A file that stays open, so that its scene can be posed at one moment after another. Throws Error.
+class GltfFile {
+public:
+  explicit GltfFile(const std::filesystem::path& path);
+  ~GltfFile();
+  GltfFile(const GltfFile&) = delete;
+
+  // As load_gltf().
+  Scene load(const LoadOptions& options = {}, const SceneDescribed& described = {});
+  // The scene at another moment. `before`: what load() or pose() gave last, whose images, materials and meshes that
+  // keep their shape go over; what others added to its materials, meshes, instances and lights since does not. Without
+  // an environment. `options` are those of load() but for the moment.
+  Scene pose(const LoadOptions& options, Scene before);
+  // Whether the scene that pose() gave last has every instance and vertex where the one before had it.
+  bool is_still() const;
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 } // namespace wavepath

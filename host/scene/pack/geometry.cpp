@@ -239,7 +239,8 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
 }
 
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
-                     bool with_vertices, std::uint64_t times, bvh::Quality quality, PackedScene& packed) {
+                     bool with_vertices, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
+                     std::size_t number, PackedScene& packed) {
   const ObjectSource whole_object{scene, parts, cut};
   std::vector<TriangleSource> sources = list_sources(whole_object);
   // Pieces too thin for single precision are no fault of the source.
@@ -265,8 +266,9 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
   const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
   bvh::BuildReport report;
   const bvh::WideTree tree =
-      moving ? bvh::build(std::span<const bvh::Box>(boxes), {}, &report)
-             : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole}, &report);
+      moving  ? bvh::build(std::span<const bvh::Box>(boxes), {}, &report)
+      : trees ? build_again(triangles, {.quality = quality, .whole = whole}, *trees, number, report)
+              : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole}, &report);
   if (!triangles.empty()) {
     object.lo = {report.box.lo.x, report.box.lo.y, report.box.lo.z};
     object.hi = {report.box.hi.x, report.box.hi.y, report.box.hi.z};

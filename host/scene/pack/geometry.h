@@ -9,6 +9,7 @@
 
 #include "host/scene/pack/alpha.h"
 #include "host/scene/pack/cut.h"
+#include "host/scene/pack/kept_tree.h"
 #include "host/scene/pack/packed_scene.h"
 #include "host/scene/pack/part.h"
 #include "host/scene/scene.h"
@@ -47,9 +48,11 @@ struct Object {
 // kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if
 // there are more items or nodes than traversal can index. `cut`: of the parts. The first piece of a triangle takes its
 // index and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the triangle that a
-// piece was cut from is its fourth word in triangle_vertices.
+// piece was cut from is its fourth word in triangle_vertices. `trees`: of the last pose, whose object of the number
+// `number` this is; null where none is kept.
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
-                     bool with_vertices, std::uint64_t times, bvh::Quality quality, PackedScene& packed);
+                     bool with_vertices, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
+                     std::size_t number, PackedScene& packed);
 
 // Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);

@@ -16,6 +16,7 @@
 #include "host/scene/pack/instances.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
+#include "host/scene/pack/pack_memory.h"
 #include "host/scene/pack/vertices.h"
 
 namespace wavepath {
@@ -30,6 +31,8 @@ struct Layout {
   bvh::Quality quality = bvh::Quality::fast;
   std::vector<glm::dvec3> near; // see Packing, world space
   std::vector<CutVertex> cut_vertices;
+  PackMemory* memory = nullptr;
+  std::size_t objects = 0; // packed so far
 
   explicit Layout(const Scene& scene) : usage(find_usage(scene)), alpha(scene, usage) {}
 };
@@ -59,26 +62,102 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
     packed.triangle_vertices.resize(packed.triangles.size(), glm::uvec4(0));
   }
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
-  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, times, layout.quality, packed);
+  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, times, layout.quality,
+                       layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
+}
+
+// Of meshes that are shown once.
+std::vector<Part> list_static_parts(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world) {
+  std::vector<Part> parts;
+  for (const Instance& instance : scene.instances) {
+    if (layout.usage.mesh_instances[instance.mesh] != 1) continue;
+    const std::size_t first = parts.size();
+    list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+    for (std::size_t p = first; p < parts.size(); ++p) parts[p].node = instance.node;
+  }
+  return parts;
+}
+
+std::vector<glm::dvec3> near_in_device(const Layout& layout, const PackedScene& packed) {
+  std::vector<glm::dvec3> near;
+  for (const glm::dvec3& p : layout.near) near.push_back(p - packed.origin);
+  return near;
 }
 
 // Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
 Object pack_static(const Scene& scene, Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
-  std::vector<Part> parts;
-  std::vector<std::uint32_t> nodes; // by part
-  for (const Instance& instance : scene.instances) {
-    if (layout.usage.mesh_instances[instance.mesh] != 1) continue;
-    list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
-    nodes.resize(parts.size(), instance.node);
-  }
+  const std::vector<Part> parts = list_static_parts(scene, layout, device_from_world);
   if (parts.empty() && layout.usage.two_level()) return {};
-  std::vector<glm::dvec3> near;
-  for (const glm::dvec3& p : layout.near) near.push_back(p - packed.origin);
-  Object object = pack_parts(scene, layout, parts, near, 1, packed);
+  Object object = pack_parts(scene, layout, parts, near_in_device(layout, packed), 1, packed);
   for (const PartRun& run : object.part_runs)
-    if (packed.node_runs.empty() || packed.node_runs.back().node != nodes[run.part])
-      packed.node_runs.push_back({run.first_id, nodes[run.part]});
+    if (packed.node_runs.empty() || packed.node_runs.back().node != parts[run.part].node)
+      packed.node_runs.push_back({run.first_id, parts[run.part].node});
   return object;
+}
+
+// Whether any triangle would be cut.
+bool has_huge(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+              const PackedScene& packed) {
+  if (!cut_huge(scene, list_static_parts(scene, layout, device_from_world), near_in_device(layout, packed)).empty())
+    return true;
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    if (layout.usage.mesh_instances[m] < 2) continue;
+    std::vector<Part> parts;
+    list_parts(scene, layout, m, glm::dmat4(1.0), parts);
+    if (!cut_huge(scene, parts, near_instances(scene, m, layout.near)).empty()) return true;
+  }
+  return false;
+}
+
+// Whether the geometry that was packed last is that of this scene.
+bool has_same_geometry(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                       const PackedScene& packed) {
+  const PackMemory& before = *layout.memory;
+  if (!before.is_still || before.packed.origin != packed.origin || before.packed.moves()) return false;
+  if (before.near == layout.near) return true;
+  return before.packed.cut.triangles == 0 && !has_huge(scene, layout, device_from_world, packed);
+}
+
+void take_surfaces(PackMemory& memory, PackedScene& packed) {
+  PackedScene& before = memory.packed;
+  packed.materials = std::move(before.materials);
+  packed.material_names = std::move(before.material_names);
+  packed.layers = std::move(before.layers);
+  packed.albedo_tables = std::move(before.albedo_tables);
+  packed.textures = std::move(before.textures);
+  packed.texels = std::move(before.texels);
+  packed.atlases = std::move(before.atlases);
+  packed.environment_radiance = before.environment_radiance;
+  packed.environment_rotation = before.environment_rotation;
+  packed.environment_width = before.environment_width;
+  packed.environment_height = before.environment_height;
+  packed.environment = std::move(before.environment);
+  packed.environment_ends = std::move(before.environment_ends);
+}
+
+void take_geometry(PackMemory& memory, PackedScene& packed) {
+  PackedScene& before = memory.packed;
+  packed.nodes = std::move(before.nodes);
+  packed.root = before.root;
+  packed.root_is_top = before.root_is_top;
+  packed.stack_size = before.stack_size;
+  packed.triangles = std::move(before.triangles);
+  packed.instances = std::move(before.instances);
+  packed.node_runs = std::move(before.node_runs);
+  packed.instance_nodes = std::move(before.instance_nodes);
+  packed.once_instance = before.once_instance;
+  packed.draws = std::move(before.draws);
+  packed.triangle_vertices = std::move(before.triangle_vertices);
+  packed.vertex_normals = std::move(before.vertex_normals);
+  packed.vertex_uvs = std::move(before.vertex_uvs);
+  packed.vertex_colors = std::move(before.vertex_colors);
+  packed.layer_tangents = before.layer_tangents;
+  packed.triangle_count = before.triangle_count;
+  packed.dropped_triangles = before.dropped_triangles;
+  packed.alpha = before.alpha;
+  packed.cut = before.cut;
+  packed.triangles_stored = before.triangles_stored;
+  packed.sah_cost = before.sah_cost;
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
@@ -152,37 +231,30 @@ void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
         exact.unplaced);
 }
 
-} // namespace
-
-PackedScene pack(Scene& scene, const Packing& packing) {
-  PackedScene packed;
-  packed.bvh_quality = packing.quality;
-  packed.node_names = scene.node_names;
-  place_origin(scene, packing.eye, packed);
-  Layout layout(scene);
-  layout.quality = packing.quality;
-  layout.near = packing.near;
-
-  MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
-  layout.material_index = std::move(materials.packed_index);
+void pack_surfaces(Scene& scene, const std::vector<std::uint32_t>& material_index, MaterialTable& materials,
+                   PackedScene& packed) {
   packed.materials = std::move(materials.materials);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
-    if (layout.material_index[m] != kNoIndex) packed.material_names.push_back(scene.materials[m].name);
+    if (material_index[m] != kNoIndex) packed.material_names.push_back(scene.materials[m].name);
   if (packed.materials.size() > gpu::kTriangleMaterialMask)
     throw Error(scene.path, "has more than 268435455 materials", "merge materials that are equal");
+  packed.layers = std::move(materials.layers);
   packed.textures = materials.textures.textures;
   packed.texels = pack_texels(materials.textures, scene);
   packed.atlases = pack_atlases(materials.textures, scene);
   warn_of_exact(materials.textures, scene.warnings);
+}
 
+// Triangles, the trees over them, and vertices. `object_of`: by instance, of a two-level scene.
+void pack_geometry(Scene& scene, Layout& layout, const glm::dmat4& device_from_world, std::vector<Object>& objects,
+                   std::vector<std::uint32_t>& object_of, PackedScene& packed) {
   const Streams streams = needed_streams(scene, layout.usage);
   layout.with_vertices = streams.any();
   const auto start = Clock::now();
-  const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
   packed.triangles.reserve(layout.usage.triangles_stored);
   if (layout.with_vertices) packed.triangle_vertices.reserve(layout.usage.triangles_stored);
-  std::vector<Object> objects{pack_static(scene, layout, device_from_world, packed)};
-  std::vector<std::uint32_t> object_of;
+  objects = {pack_static(scene, layout, device_from_world, packed)};
+  object_of.clear();
   if (layout.usage.two_level()) {
     object_of = pack_two_level(scene, layout, device_from_world, packed, objects);
     for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].source_count;
@@ -204,23 +276,71 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   if (packed.dropped_triangles > 0)
     scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
                        packed.dropped_triangles);
-
   pack_vertices(scene, layout.usage, streams, layout.cut_vertices, packed);
-  const double environment = pack_environment(scene.environment, packing.direct, packed);
-  pack_lights(scene, objects, object_of, environment, packing.direct, packing.lights, packed);
+}
+
+// `memory`: null where nothing is remembered.
+PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory) {
+  PackMemory nothing;
+  PackMemory& before = memory ? *memory : nothing;
+  PackedScene packed;
+  packed.bvh_quality = packing.quality;
+  packed.node_names = scene.node_names;
+  place_origin(scene, packing.eye, packed);
+  Layout layout(scene);
+  layout.quality = packing.quality;
+  layout.near = packing.near;
+  layout.memory = memory;
+  before.kept = {};
+  before.trees.built = 0;
+
+  before.kept.surfaces = before.has_packed && before.material_used == layout.usage.material_used;
+  if (before.kept.surfaces) {
+    layout.material_index = before.material_index;
+    take_surfaces(before, packed);
+  } else {
+    MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
+    layout.material_index = std::move(materials.packed_index);
+    pack_surfaces(scene, layout.material_index, materials, packed);
+    before.environment = pack_environment(scene.environment, packing.direct, packed);
+  }
+
+  const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
+  before.kept.geometry = before.kept.surfaces && has_same_geometry(scene, layout, device_from_world, packed);
+  if (before.kept.geometry)
+    take_geometry(before, packed);
+  else
+    pack_geometry(scene, layout, device_from_world, before.objects, before.object_of, packed);
+  pack_lights(scene, before.objects, before.object_of, before.environment, packing.direct, packing.lights, packed);
   packed.features = find_features(scene, layout.usage, packed);
   if (const gpu::Feature lobes = packed.features & gpu::kLobesAll) {
-    packed.layers = std::move(materials.layers);
     for (std::size_t m = 0; m < scene.materials.size(); ++m)
       if (layout.material_index[m] != kNoIndex && has_layer_tangents(scene.materials[m]))
         packed.layers[layout.material_index[m]].layer_tangents = packed.layer_tangents;
     const std::size_t texels =
         packed.materials.size() * gpu::kMaterialTexels + packed.layers.size() * gpu::kLayerTexels;
-    packed.albedo_tables =
-        make_albedo_tables(packed.materials, packed.layers, lobes, static_cast<std::uint32_t>(texels));
+    if (!before.kept.surfaces)
+      packed.albedo_tables =
+          make_albedo_tables(packed.materials, packed.layers, lobes, static_cast<std::uint32_t>(texels));
+  } else {
+    packed.layers.clear();
   }
   packed.left_out = list_left_out(layout.usage, packed, packing.direct);
+  if (memory) {
+    memory->has_packed = true;
+    memory->material_index = std::move(layout.material_index);
+    memory->material_used = std::move(layout.usage.material_used);
+    memory->near = std::move(layout.near);
+  }
   return packed;
+}
+
+} // namespace
+
+PackedScene pack(Scene& scene, const Packing& packing) { return pack_scene(scene, packing, nullptr); }
+
+PackedScene pack_again(Scene& scene, const Packing& packing, PackMemory& memory) {
+  return pack_scene(scene, packing, &memory);
 }
 
 } // namespace wavepath

@@ -1,0 +1,302 @@
+// Poses, packs, plans, renders and writes one frame after another; see sequence.h.
+#include "host/cli/sequence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_file.h"
+#include "host/base/clock.h"
+#include "host/base/error.h"
+#include "host/base/output_files.h"
+#include "host/base/print.h"
+#include "host/cli/commands.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/progress.h"
+#include "host/cli/render_finish.h"
+#include "host/cli/render_prepare.h"
+#include "host/cli/render_run.h"
+#include "host/cli/resume.h"
+#include "host/plan/record.h"
+#include "host/render/pilot_work.h"
+#include "host/render/settings/traversal.h"
+#include "host/render/workspace/device_scene.h"
+#include "host/scene/bounds.h"
+#include "host/scene/pack/pack_memory.h"
+
+namespace wavepath {
+namespace {
+
+// Frames that share a plan: pilots are made for those whose number is a multiple of this. A plan that went by the range
+// would give a frame other bits on another machine; one for each frame would cost its pilots each time.
+constexpr std::uint32_t kFramesOfPlan = 16;
+
+std::string default_name(const RenderCommandRequest& request) {
+  const bool many = request.sequence.frames->count() > 1;
+  return std::filesystem::path(request.scene.path).stem().string() + (many ? ".####.exr" : ".exr");
+}
+
+// The command that renders the frame alone, but for its camera, and what the staged scene decides.
+RenderCommandRequest request_of(const RenderCommandRequest& whole, std::uint32_t frame) {
+  RenderCommandRequest one = whole;
+  const SequenceRequest& sequence = whole.sequence;
+  for (std::string& name : one.output.pictures) name = numbered(name, frame);
+  for (std::string* name : {&one.output.stats, &one.output.reference, &one.render.state.file})
+    *name = numbered(*name, frame);
+  one.render.settings.seed = seed_of(sequence, whole.render.settings.seed, frame);
+  LoadOptions& load = one.scene.load;
+  if (!load.animation.empty()) {
+    const double later = seconds_of(sequence, frame);
+    load.at += later;
+    if (load.shutter)
+      load.shutter = {whole.scene.load.at + load.shutter->first + later,
+                      whole.scene.load.at + load.shutter->second + later};
+  }
+  return one;
+}
+
+// Every file of every frame is told from the others and from what is read, and can be written.
+void check_names(const RenderCommandRequest& whole) {
+  const FrameRange& range = *whole.sequence.frames;
+  const std::vector<std::string> patterns = targets_of(whole);
+  for (const std::string& name : patterns)
+    if (range.count() > 1 && !has_number(name))
+      throw UsageError(name, fmt::format("is one name for {} frames", range.count()),
+                       "put a place for the number into it, such as film.%04d.exr or film.####.exr");
+  std::vector<std::string> all;
+  for (std::uint32_t frame = range.first; frame < range.end; frame += range.step)
+    for (const std::string& name : patterns) all.push_back(numbered(name, frame));
+  refuse_overwriting(all, inputs_of(whole.scene, whole.render.settings, whole.output.reference));
+}
+
+// A frame is there once all its files are; its state is none of them.
+bool is_there(const RenderCommandRequest& one) {
+  std::vector<std::string> files = one.output.pictures;
+  if (!one.output.stats.empty()) files.push_back(one.output.stats);
+  std::error_code error;
+  return std::ranges::all_of(files, [&](const std::string& file) { return std::filesystem::exists(file, error); });
+}
+
+// The frames that are to be rendered.
+std::vector<std::uint32_t> list_frames(const RenderCommandRequest& whole) {
+  const FrameRange& range = *whole.sequence.frames;
+  std::vector<std::uint32_t> frames;
+  for (std::uint32_t frame = range.first; frame < range.end; frame += range.step) {
+    const RenderCommandRequest one = request_of(whole, frame);
+    if (!whole.sequence.overwrites && is_there(one)) continue;
+    check_state_file(one.render.state);
+    for (const std::string& target : targets_of(one)) require_writable(target);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+// The camera, gone about the vertical axis through `centre`.
+ViewRequest turned(const ViewRequest& request, const View& view, const glm::dvec3& centre, double degrees) {
+  const glm::dmat3 turn(glm::rotate(glm::dmat4(1.0), glm::radians(degrees), glm::dvec3(0.0, 1.0, 0.0)));
+  const double distance = std::max(glm::length(centre - view.position), 1e-3);
+  ViewRequest gone = request;
+  gone.eye = centre + turn * (view.position - centre);
+  gone.look_at = *gone.eye + turn * view.forward * distance;
+  gone.up = turn * glm::normalize(view.up);
+  return gone;
+}
+
+bool is_same_moment(const LoadOptions& a, const LoadOptions& b) { return a.at == b.at && a.shutter == b.shutter; }
+
+// What is kept from frame to frame.
+class Sequence {
+public:
+  Sequence(const RenderCommandRequest& whole, const std::vector<std::uint32_t>& frames)
+      : whole_(whole),
+        frames_(frames),
+        progress_(whole.output.quiet, whole.render.settings.time_limit, whole.render.settings.target_error) {}
+
+  int run();
+
+private:
+  void open(const RenderCommandRequest& first);
+  void prepare(RenderCommandRequest& one, std::uint32_t frame);
+  void upload(const RenderCommandRequest& one);
+  void plan(RenderCommandRequest& one, std::uint32_t frame);
+  void keep_new_warnings();
+
+  const RenderCommandRequest& whole_;
+  const std::vector<std::uint32_t>& frames_;
+  ProgressDisplay progress_;
+  LoadedScene loaded_;
+  LoadOptions posed_; // as the scene stands
+  Prepared prepared_;
+  PackMemory memory_;
+  std::shared_ptr<DeviceScene> on_device_; // of what memory_ knows; null before the first
+  std::optional<double> staged_at_;
+  glm::dvec3 origin_{0.0}, centre_{0.0};
+  std::optional<PlanRecord> plan_;
+  std::uint32_t planned_frame_ = 0; // that plan_ was made for
+  Warnings told_;
+};
+
+// Loads the scene as frame 0 shows it. That decides what must not jump from frame to frame: framing, default light,
+// ground, the axis of the turntable, and the origin, to which all geometry is moved.
+void Sequence::open(const RenderCommandRequest& first) {
+  RenderCommandRequest staged = first;
+  const bool animated = !whole_.scene.load.animation.empty();
+  if (animated) {
+    staged_at_ = whole_.scene.staged_at.value_or(whole_.scene.load.at);
+    staged.scene.load.at = *staged_at_;
+    staged.scene.load.shutter.reset();
+  }
+  staged.scene.staged_at.reset();
+  prepared_ = wavepath::open(staged, loaded_, true);
+  posed_ = staged.scene.load;
+  std::vector<std::string> targets;
+  for (const std::uint32_t frame : frames_)
+    for (const std::string& target : targets_of(request_of(whole_, frame))) targets.push_back(target);
+  refuse_overwriting(targets, loaded_.scene.files);
+  const RenderPlan& settings = first.render.settings;
+  const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
+  const Bounds bounds = world_bounds(loaded_.scene);
+  centre_ = bounds.empty() ? glm::dvec3(0.0) : bounds.centre();
+  // The middle, which lies within the bounds of other poses as well, where the eye does not.
+  const bool inside = !bounds.empty() && glm::all(glm::lessThanEqual(bounds.lo, view.position)) &&
+                      glm::all(glm::lessThanEqual(view.position, bounds.hi));
+  origin_ = whole_.render.origin.value_or(inside ? view.position : centre_);
+}
+
+// Poses and packs the scene, and brings it onto the device. `one` becomes the whole command of the frame.
+void Sequence::prepare(RenderCommandRequest& one, std::uint32_t frame) {
+  const Clock::time_point start = Clock::now();
+  const RenderPlan& settings = one.render.settings;
+  if (staged_at_ && *staged_at_ != one.scene.load.at) one.scene.staged_at = staged_at_;
+  if (one.scene.load.shutter) one.scene.staged_at = staged_at_;
+  one.render.origin = origin_;
+  memory_.is_still = is_same_moment(posed_, one.scene.load) || pose_again(one.scene, loaded_);
+  posed_ = one.scene.load;
+  if (whole_.sequence.turntable) {
+    const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
+    one.scene.view = turned(whole_.scene.view, view, centre_, turned_by(whole_.sequence, frame));
+  }
+  const double pose_seconds = seconds_since(start);
+  memory_.packed = std::move(prepared_.packed);
+  pack_scene(one, loaded_, prepared_, &memory_);
+  const double pack_seconds = seconds_since(start) - pose_seconds;
+  prepared_.load_seconds = seconds_since(start) - prepared_.packed.bvh_seconds;
+  upload(one);
+  one.frame = FrameReport{.number = frame,
+                          .at = one.scene.load.at,
+                          .fps = whole_.sequence.fps.value_or(kUsualFps),
+                          .turned = turned_by(whole_.sequence, frame),
+                          .pose_seconds = pose_seconds,
+                          .pack_seconds = pack_seconds,
+                          .kept_surfaces = memory_.kept.surfaces,
+                          .kept_geometry = memory_.kept.geometry,
+                          .built_triangles = memory_.trees.built};
+}
+
+void Sequence::upload(const RenderCommandRequest& one) {
+  prepared_.on_device = {};
+  if (!prepared_.others.empty()) return; // each device uploads by itself
+  const Clock::time_point start = Clock::now();
+  Device& device = *prepared_.device;
+  const bool by_query = traces_by_query(traversal_of(one.render.settings), device.info());
+  DeviceScene before = on_device_ ? std::move(*on_device_) : DeviceScene{};
+  on_device_ = std::make_shared<DeviceScene>(upload_next_scene(device, prepared_.packed, by_query, std::move(before),
+                                                               on_device_ ? memory_.kept : KeptParts{}));
+  prepared_.on_device.scene = on_device_;
+  prepared_.on_device.upload_seconds = seconds_since(start);
+}
+
+// Takes the plan of the first frame of its sixteen, which is made by that frame wherever it is not rendered here.
+void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
+  const std::uint32_t decisive = frame - frame % kFramesOfPlan;
+  const bool cpu = prepared_.device->info().type == "cpu";
+  const bool decides = one.recorded || decisive == frame || !may_make_pilots(one.render.settings, cpu);
+  if (!decides && (!plan_ || planned_frame_ != decisive)) {
+    const RenderCommandRequest pattern = request_of(whole_, decisive);
+    RenderCommandRequest other = one;
+    other.scene = pattern.scene;
+    other.render.settings.seed = pattern.render.settings.seed;
+    other.render.state = {};
+    prepare(other, decisive);
+    plan_render(other, prepared_);
+    plan_ = record_from(nlohmann::ordered_json::parse(to_line(prepared_.plan.decisions)));
+    planned_frame_ = decisive;
+    prepare(one, frame);
+  }
+  if (!decides) one.recorded = plan_;
+  plan_render(one, prepared_);
+  if (decisive == frame) {
+    plan_ = record_from(nlohmann::ordered_json::parse(to_line(prepared_.plan.decisions)));
+    planned_frame_ = decisive;
+  }
+}
+
+// What an earlier frame has warned of is not told again.
+void Sequence::keep_new_warnings() {
+  Warnings fresh;
+  for (const auto& [text, count] : prepared_.warnings.counts())
+    if (!told_.counts().contains(text)) fresh.add(text, count), told_.add(text, count);
+  prepared_.warnings = fresh;
+}
+
+int Sequence::run() {
+  const Clock::time_point start = Clock::now();
+  double render_seconds = 0.0;
+  int code = kExitDone;
+  std::size_t done = 0;
+  for (const std::uint32_t frame : frames_) {
+    RenderCommandRequest one = request_of(whole_, frame);
+    one.progress = &progress_;
+    const std::optional<Picture> reference = resolve(one);
+    if (done == 0) open(one);
+    prepare(one, frame);
+    if (done == 0) require_writers(one.output);
+    plan(one, frame);
+    if (interrupted()) break;
+    progress_.begin_frame({frame, done, frames_.size()});
+    Rendered rendered = wavepath::run(one, prepared_, reference);
+    const StopReason stop = rendered.result.stop;
+    if (stop == StopReason::interrupted) break;
+    if (stop == StopReason::device_lost) // what it has would be taken for the frame
+      throw DeviceLost(prepared_.device->info().name, fmt::format("was lost while rendering frame {}", frame),
+                       "run the same command to go on with that frame");
+    render_seconds += rendered.result.seconds;
+    keep_new_warnings();
+    code = std::max(code, finish(one, prepared_, rendered, reference));
+    ++done;
+  }
+  const std::size_t all = whole_.sequence.frames->count();
+  if (interrupted() && done < frames_.size()) {
+    if (!whole_.output.quiet)
+      print_err("wavepath: interrupted in frame {}; the same command goes on there\n", frames_[done]);
+    return kExitInterrupted;
+  }
+  if (!whole_.output.quiet)
+    print_err("wavepath: {} frames in {}, {} of that rendering; {} were there\n", done,
+              duration_text(seconds_since(start)), duration_text(render_seconds), all - frames_.size());
+  return code;
+}
+
+} // namespace
+
+int render_sequence(const RenderCommandRequest& request) {
+  RenderCommandRequest whole = request;
+  if (whole.output.pictures.empty()) whole.output.pictures = {default_name(whole)};
+  if (whole.render.pixel)
+    throw UsageError("--pixel", "renders one path of one picture", "use the command that `repeat` of a frame tells");
+  check_names(whole);
+  const std::vector<std::uint32_t> frames = list_frames(whole);
+  if (frames.empty()) {
+    if (!whole.output.quiet)
+      print_err("wavepath: all {} frames are there; --overwrite renders them again\n", whole.sequence.frames->count());
+    return kExitDone;
+  }
+  return Sequence(whole, frames).run();
+}
+
+} // namespace wavepath

@@ -1,0 +1,32 @@
+// Builds the tree over an object that is packed in one pose after another: what has not moved yet is built once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bvh/build.h"
+
+namespace wavepath {
+
+// The tree over an object's triangles in its last pose, and over those that have not moved so far.
+struct KeptTree {
+  std::vector<bvh::Triangle> triangles;  // of the last pose, in the order of the source
+  std::vector<std::uint8_t> whole;       // as bvh::BuildConfig has it
+  std::vector<std::uint8_t> has_moved;   // by triangle
+  std::vector<std::uint32_t> still_ones; // triangles that have not, which `still` is over
+  bvh::WideTree tree, still;
+  bvh::Box box, still_box; // of both
+};
+
+struct KeptTrees {
+  std::vector<KeptTree> of_objects; // by object, in the order in which they are packed
+  std::uint64_t built = 0;          // triangles that trees were built over for the last pose
+};
+
+// As bvh::build(), of the object of that number. The tree is another than that of bvh::build() alone, over the same
+// triangles.
+bvh::WideTree build_again(std::span<const bvh::Triangle> triangles, const bvh::BuildConfig& config, KeptTrees& trees,
+                          std::size_t number, bvh::BuildReport& report);
+
+} // namespace wavepath
