@@ -15,6 +15,7 @@ namespace {
 constexpr double kEqual = 32.0, kLeast = 708.0;
 // Samples of a render whose end nobody knows.
 constexpr double kFewSamples = 16.0;
+constexpr double kFewestPaths = 16.0; // that find anything
 constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path in one cell
 
 // Paths of a render that an iteration of guiding more pays for. Half of what that takes is the host's, so that on a
@@ -33,7 +34,7 @@ double reliable_paths(const RenderPlan& settings, DeviceClass device) {
 std::uint64_t light_training_paths(const RenderPlan& settings, DeviceClass device) {
   const double of_render = reliable_paths(settings, device);
   const double paths = of_render / std::sqrt(std::sqrt(of_render / kEqual) + kLeast);
-  return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
+  return static_cast<std::uint64_t>(std::clamp(paths, kFewestPaths, kMostPaths));
 }
 
 std::uint32_t guide_iterations(const RenderPlan& settings, DeviceClass device) {
