@@ -202,6 +202,39 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");
 }
 
+TEST(Usage, CamerasThatCannotBeAreRefused) {
+  const auto refused = [](std::vector<std::string> flags, const std::string& why) {
+    flags.insert(flags.begin(), {"render", kBox});
+    expect_error(flags, 2, why);
+  };
+  refused({"--projection", "fisheyes"}, "did you mean fisheye?");
+  refused({"--projection", "fisheye", "--fov", "361"}, "--fov: '361' is more than there is");
+  refused({"--fov", "90"}, "--fov: belongs to --projection fisheye");
+  refused({"--projection", "fisheye", "--yfov", "90"}, "--yfov: belongs to --projection perspective");
+  refused({"--projection", "perspective", "--ymag", "2"}, "--ymag: belongs to --projection orthographic");
+  refused({"--ymag", "2"}, "--ymag: belongs to --projection orthographic"); // the file's camera is none
+  refused({"--ymag", "0"}, "--ymag");
+  refused({"--shift", "1"}, "write it as X,Y");
+  refused({"--shift", "nan,0"}, "--shift");
+  refused({"--projection", "equirectangular", "--shift", "1,0"}, "--shift: has no meaning");
+  refused({"--projection", "equirectangular", "--intrinsics", "1,1,0,0"}, "--intrinsics: has no meaning");
+  for (const char* k : {"0,800,640,360", "800,0,640,360", "-800,800,640,360"})
+    refused({"--intrinsics", k}, "is a singular matrix, or mirrors");
+  refused({"--intrinsics", "800,800,640"}, "is not four numbers");
+  refused({"--intrinsics", "800,800,640,inf"}, "is not four numbers");
+  refused({"--intrinsics", "800,800,640,360", "--yfov", "40"}, "--intrinsics: does not go with --yfov");
+  refused({"--intrinsics", "800,800,640,360", "--shift", "0,0"}, "--intrinsics: does not go with --shift");
+  refused({"--clip", "1"}, "write it as NEAR,FAR");
+  refused({"--clip", "2,1"}, "leaves nothing between its planes");
+  refused({"--clip", "inf,inf"}, "--clip");
+  refused({"--clip", "-1,2"}, "--clip");
+  refused({"--stereo", "-0.1"}, "--stereo");
+  refused({"--stereo", "0.065", "--size", "101x50"}, "--stereo: cannot halve a picture 101 pixels wide");
+  refused({"--stereo", "0.065", "--projection", "equirectangular", "--size", "100x51"}, "51 pixels high");
+  refused({"--stereo", "0.065", "--projection", "orthographic"}, "--stereo: would show both eyes the same");
+  refused({"--projection", "fisheye", "--aperture", "0.1"}, "--aperture: blurs about a plane of focus");
+}
+
 // With and without a window in the build, with and without a screen: no scene is read before the refusal.
 TEST(Usage, ViewNeedsAScreen) {
   const std::string broken = scene_file("README.md"); // no glTF

@@ -178,7 +178,14 @@ TEST(Layout, Frame) {
            AT(Frame, sky_samples),
            AT(Frame, reuses_paths),
            AT(Frame, quad_scale),
-           AT(Frame, top_level)});
+           AT(Frame, top_level),
+           AT(Frame, camera_model),
+           AT(Frame, eyes),
+           AT(Frame, camera_shift),
+           AT(Frame, clip_near),
+           AT(Frame, clip_far),
+           AT(Frame, eye_offset),
+           AT(Frame, angle_limit)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_entries)});

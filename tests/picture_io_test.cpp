@@ -137,6 +137,20 @@ TEST_F(PictureIoTest, ExrMatricesProject) {
   EXPECT_NEAR(ndc.x, 0.5f + 0.5f * 0.25f, 1e-6f);
   EXPECT_NEAR(ndc.y, 0.5f - 0.5f * 0.5f, 1e-6f); // downwards
 
+  PictureInfo shifted = example_info();
+  shifted.view->shift = {0.5, -0.25}; // of half the picture, so that all moves the other way
+  write_picture(path, random_picture(2, 2, {"R", "G", "B", "A"}), shifted, {});
+  const Imath::V3f moved = project(Imf::InputFile(path.c_str()), "worldToNDC", point);
+  EXPECT_NEAR(moved.x, ndc.x - 0.25f, 1e-6f);
+  EXPECT_NEAR(moved.y, ndc.y - 0.125f, 1e-6f);
+
+  PictureInfo fisheye = example_info();
+  fisheye.view->panorama = Panorama::fisheye;
+  write_picture(path, random_picture(2, 2, {"R", "G", "B", "A"}), fisheye, {});
+  const Imf::InputFile bent(path.c_str());
+  EXPECT_NE(bent.header().find("worldToCamera"), bent.header().end());
+  EXPECT_EQ(bent.header().find("worldToNDC"), bent.header().end());
+
   PictureInfo orthographic = example_info();
   orthographic.view->orthographic = true;
   write_picture(path, random_picture(2, 2, {"R", "G", "B", "A"}), orthographic, {});

@@ -67,6 +67,8 @@ TEST_P(Repeat, StatsAndPictureGiveACommandThatRendersTheSameBits) {
   const Json measured = stats();
   ASSERT_TRUE(measured["repeat"].is_string());
   const std::string command = measured["repeat"];
+  EXPECT_EQ(measured["camera"]["projection"] == "fisheye", std::ranges::count(words, "fisheye") > 0);
+  EXPECT_EQ(measured["camera"]["stereo"], std::ranges::count(words, "--stereo") > 0 ? 0.065 : 0.0);
   EXPECT_EQ(command.find("auto"), std::string::npos) << command;
   EXPECT_EQ(read_attribute(path("whole.exr"), "wavepath.repeat"), command);
   const Picture whole = read_picture(path("whole.exr"));
@@ -100,6 +102,12 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"shutter",
              {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide", "--shutter",
               "0.2,0.8"}},
+        Case{"fisheye",
+             {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "4", "--max-depth", "3", "--projection",
+              "fisheye", "--fov", "171.3", "--shift", "0.1,0.2", "--clip", "0.1,inf"}},
+        Case{"stereo",
+             {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "4", "--max-depth", "3", "--intrinsics",
+              "30.1,31.3,16,24", "--stereo", "0.065", "--clip", "file"}},
         Case{"guided", {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "8", "--max-depth", "4", "--guide"}},
         Case{"by_the_clock",
              {kScenes + "showcase.glb", "--size", "48x32", "--time", "0.3", "--max-depth", "3", "--env", "studio"}}),

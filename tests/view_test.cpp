@@ -157,6 +157,59 @@ TEST(View, LooksAtTheMiddleFromAnEyeOfTheUsersOwn) {
   expect_near(resolve_view(triangle_scene(), request, 1, 1).forward, {0, 0, -1});
 }
 
+TEST(View, ShiftsByFractionsOfThePicture) {
+  const View shifted = resolve_view(camera_scene(), {.shift = glm::dvec2(0.5, -0.25)}, 400, 100);
+  EXPECT_EQ(shifted.shift, glm::dvec2(1.0, -0.5)); // in halves of it
+  expect_near(shifted.forward, {0, 0, -1});
+  // Parallel rays move with their camera.
+  const View flat = resolve_view(camera_scene(), {.camera = "1", .shift = glm::dvec2(0.5, -0.25)}, 200, 100);
+  EXPECT_FALSE(has_camera_model(flat));
+  expect_near(flat.position, {6.0, -1.5, 0.0});
+}
+
+TEST(View, IntrinsicsPutPointsWhereTheirMatrixDoes) {
+  const Intrinsics k{300.0, 250.0, 190.0, 60.0};
+  const View view = resolve_view(camera_scene(), {.intrinsics = k}, 400, 100);
+  const glm::dvec3 point(0.3, -0.2, 2.0); // right, down, ahead
+  const glm::dvec2 pixel(k.fx * point.x / point.z + k.cx, k.fy * point.y / point.z + k.cy);
+  glm::dvec3 origin, direction;
+  ASSERT_TRUE(ray_through(view, {pixel.x / 200.0 - 1.0, 1.0 - pixel.y / 50.0}, origin, direction));
+  expect_near(point.z * direction, {0.3, 0.2, -2.0});
+}
+
+TEST(View, BecomesOrthographicAsLargeAsAtItsTarget) {
+  const View view = resolve_view(
+      camera_scene(), {.eye = glm::dvec3(0, 0, 8), .look_at = glm::dvec3(0.0), .projection = Projection::orthographic},
+      400, 100);
+  EXPECT_TRUE(view.orthographic);
+  expect_near(view.up, {0, 4, 0}); // half of the distance
+  expect_near(view.right, {16, 0, 0});
+  const View given = resolve_view(camera_scene(), {.projection = Projection::orthographic, .ymag = 2.0}, 400, 100);
+  expect_near(given.up, {0, 2, 0});
+  EXPECT_THROW(resolve_view(camera_scene(), {.camera = "1", .projection = Projection::perspective}, 4, 4), UsageError);
+  EXPECT_THROW(resolve_view(camera_scene(), {.camera = "1", .stereo = 0.1}, 4, 4), UsageError);
+}
+
+TEST(View, ClipsAsTheFileSays) {
+  Scene scene = camera_scene();
+  scene.cameras[0].znear = 0.5;
+  EXPECT_EQ(resolve_view(scene, {}, 4, 4).clip, Clip{});
+  EXPECT_EQ(resolve_view(scene, {.clips_as_file = true}, 4, 4).clip, (Clip{.near = 0.5}));
+  scene.cameras[0].zfar = 7.0;
+  EXPECT_EQ(resolve_view(scene, {.clips_as_file = true}, 4, 4).clip, (Clip{0.5, 7.0}));
+  scene.cameras[0].zfar = 0.5;
+  EXPECT_THROW(resolve_view(scene, {.clips_as_file = true}, 4, 4), Error);
+  EXPECT_THROW(resolve_view(Scene{}, {.clips_as_file = true}, 4, 4), UsageError);
+}
+
+TEST(View, EyesHalveThePicture) {
+  const View beside = resolve_view(camera_scene(), {.stereo = 0.1}, 800, 100);
+  expect_near(beside.right, {2.0, 0, 0}); // 400 by 100
+  const View fisheye = resolve_view(camera_scene(), {.projection = Projection::fisheye, .stereo = 0.1}, 800, 100);
+  expect_near(fisheye.right, {2.0 * std::numbers::pi, 0, 0});
+  expect_near(fisheye.up, {0, 0.5 * std::numbers::pi, 0});
+}
+
 TEST(View, FramesAnEmptyScene) {
   const View view = resolve_view(Scene{}, {}, 100, 100);
   EXPECT_GT(glm::length(view.position), 1.0);

@@ -125,7 +125,10 @@ Json film_bytes() {
 Json describe(const std::string& path, const Scene& scene, const ScenePlan& planned, const PackedScene& packed) {
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
   for (const Camera& camera : scene.cameras)
-    cameras.push_back({{"name", camera.name}, {"kind", camera.orthographic ? "orthographic" : "perspective"}});
+    cameras.push_back({{"name", camera.name},
+                       {"kind", camera.orthographic ? "orthographic" : "perspective"},
+                       {"znear", camera.znear ? Json(*camera.znear) : Json()},
+                       {"zfar", camera.zfar ? Json(*camera.zfar) : Json()}});
   for (const LeftOut& entry : packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
   for (const auto& [text, count] : scene.warnings.counts()) warnings.push_back({{"text", text}, {"count", count}});
@@ -178,6 +181,13 @@ void print_render(const Json& render) {
     if (what != "total") print_out("    {:<24}{} a path\n", what, to_size_text(number(count)));
 }
 
+// Clip planes of the file, which a render passes by unless it is asked.
+std::string planes_text(const Json& camera) {
+  if (camera["znear"].is_null()) return "";
+  const std::string far = camera["zfar"].is_null() ? "infinity" : fmt::format("{:g}", camera["zfar"].get<double>());
+  return fmt::format(", planes at {:g} and {} m, ignored without --clip file", camera["znear"].get<double>(), far);
+}
+
 void print_scene(const Json& about, const std::vector<std::string>& extensions) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
@@ -195,8 +205,8 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
-    cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(),
-                                  camera["kind"].get<std::string>()));
+    cameras.push_back(fmt::format("{} '{}' ({}{})", cameras.size(), camera["name"].get<std::string>(),
+                                  camera["kind"].get<std::string>(), planes_text(camera)));
   print_out("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
   print_out("  extensions  {}\n", join_or_none(extensions));
   print_out("  planned     {} on the device\n", to_size_text(number(bytes["total"])));

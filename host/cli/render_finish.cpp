@@ -41,6 +41,8 @@ PictureInfo picture_info(const RenderCommandRequest& request, const Prepared& pr
   info.filter = kFilterNames[settings.filter];
   info.bias = fmt::format("{}", fmt::join(run.bias, "; "));
   info.view = prepared.view;
+  if (request.frame && request.frame->fps > 0.0)
+    info.frame = SequenceFrame{static_cast<int>(request.frame->number), request.frame->fps};
   if (settings.lens.aperture > 0.0)
     info.focus = settings.lens.focus ? *settings.lens.focus
                                      : depth_of_middle(prepared.packed, prepared.view, settings.cull != gpu::kCullNone);
@@ -125,6 +127,8 @@ Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const 
   run.plan = prepared.plan.decisions;
   add_outcomes(run.plan, result);
   run.repeat = repeat_command(request, prepared, result);
+  run.frame = request.frame;
+  run.view = &prepared.view;
   run.load_seconds = prepared.load_seconds;
   return run;
 }

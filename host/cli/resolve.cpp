@@ -191,6 +191,7 @@ void resolve_settings(const SceneRequest& scene, RenderRequest& request) {
   resolve_integrator(request); // by the samples
   check_integrator(request);
   check_shutter(scene, request.settings);
+  check_camera(scene.view, request.settings);
   resolve_strict(request);
   resolve_devices(request);
   check_plan(request);

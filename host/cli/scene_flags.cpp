@@ -24,6 +24,9 @@ namespace wavepath {
 namespace {
 
 constexpr double kLargest = std::numeric_limits<float>::max();
+constexpr double kMostMagnitude = 1e15; // metres of an orthographic picture
+constexpr double kMostShift = 1e3;      // pictures
+constexpr double kMostEyeDistance = 1e15;
 
 // A value with two commas that names no file must be a radiance.
 void read_environment(const FlagValue& value, SceneRequest& request) {
@@ -147,6 +150,19 @@ void check_shutter(const SceneRequest& request, RenderPlan& settings) {
                      fmt::format("use --integrator {}", supporters_text("shutter")));
 }
 
+void check_camera(const ViewRequest& view, const RenderPlan& settings) {
+  check_view(view);
+  const bool panorama = view.projection == Projection::fisheye || view.projection == Projection::equirectangular;
+  if (panorama && settings.lens.aperture > 0.0)
+    throw UsageError("--aperture", "blurs about a plane of focus, which a panorama has not",
+                     "leave it out, or use --projection perspective");
+  const bool stacked = view.projection == Projection::equirectangular;
+  const std::uint32_t halved = stacked ? settings.height : settings.width;
+  if (view.stereo != 0.0 && halved % 2 != 0)
+    throw UsageError("--stereo", fmt::format("cannot halve a picture {} pixels {}", halved, stacked ? "high" : "wide"),
+                     "give an even --size");
+}
+
 std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
                                    const std::string& reference) {
   std::vector<std::string> inputs = {request.path, settings.shadow_cookie, reference};
@@ -175,6 +191,84 @@ std::string flags_of(const SceneRequest& request) {
   return flags;
 }
 
+namespace {
+
+void read_clip(const FlagValue& value, ViewRequest& request) {
+  request.clips_as_file = value.text == "file";
+  request.clip.reset();
+  if (request.clips_as_file) return;
+  const auto [near, far] = value.split(',', "write it as NEAR,FAR, such as 0.1,50, or file");
+  Clip clip{.near = near.number(0.0, kLargest)};
+  if (far.text != "inf") clip.far = far.number(0.0, kLargest);
+  if (!(clip.near < clip.far)) value.refuse("leaves nothing between its planes", "give NEAR below FAR");
+  request.clip = clip;
+}
+
+void read_intrinsics(const FlagValue& value, ViewRequest& request) {
+  const std::vector<double> k = value.numbers(4, "write it as FX,FY,CX,CY, such as 800,800,640,360");
+  if (!(k[0] > 0.0 && k[1] > 0.0))
+    value.refuse("is a singular matrix, or mirrors", "give focal lengths FX and FY above 0, in pixels");
+  request.intrinsics = {k[0], k[1], k[2], k[3]};
+}
+
+void add_projection_flags(CLI::App& app, ViewRequest& request) {
+  const char* group = "Camera";
+  add_flag(
+      app, group,
+      {"--projection", "perspective|orthographic|fisheye|equirectangular",
+       "how directions become places in the picture. fisheye: equidistant. equirectangular: all directions, laid "
+       "out as --env is, the view axis in the middle. docs/cameras_and_passes.md",
+       "the chosen camera's"},
+      [&](const FlagValue& value) { request.projection = static_cast<Projection>(value.choice(kProjectionNames)); });
+  add_flag(app, group,
+           {"--fov", "DEG",
+            "angle that a fisheye shows across the smaller side of the picture, up to 360 degrees. Outside of that "
+            "circle the picture is black",
+            "180", kAdvanced},
+           [&](const FlagValue& value) {
+             const double degrees = value.positive_number();
+             if (degrees > 360.0) value.refuse("is more than there is", "give at most 360 degrees");
+             request.fov = glm::radians(degrees);
+           });
+  add_flag(app, group,
+           {"--ymag", "METRES", "half the height of an orthographic picture, in metres",
+            "the chosen camera's; of a perspective one, what it shows at --look-at or else in the middle of the scene",
+            kAdvanced},
+           [&](const FlagValue& value) {
+             request.ymag = value.positive_number();
+             if (!(*request.ymag <= kMostMagnitude)) value.refuse("is too large", "give at most 1e15");
+           });
+  add_flag(app, group,
+           {"--shift", "X,Y",
+            "lens shift: the picture shows what lies by this fraction of its width further to the right, and of its "
+            "height further up, without turning the camera",
+            "0,0", kAdvanced},
+           [&](const FlagValue& value) {
+             const auto [x, y] = value.split(',', "write it as X,Y, such as 0,0.25");
+             request.shift = {x.number(-kMostShift, kMostShift), y.number(-kMostShift, kMostShift)};
+           });
+  add_flag(app, group,
+           {"--intrinsics", "FX,FY,CX,CY",
+            "focal lengths and principal point in pixels, from the top left corner of the picture: the matrix K of a "
+            "calibrated camera (fisheye: pixels a radian; orthographic: pixels a metre)",
+            "the chosen camera's", kAdvanced},
+           [&](const FlagValue& value) { read_intrinsics(value, request); });
+  add_flag(app, group,
+           {"--clip", "NEAR,FAR|file",
+            "camera rays see what lies between these distances along the view axis (from the eye, for fisheye and "
+            "equirectangular), in metres. FAR may be inf. file: znear and zfar of the chosen camera",
+            "everything", kAdvanced},
+           [&](const FlagValue& value) { read_clip(value, request); });
+  add_flag(app, group,
+           {"--stereo", "METRES",
+            "distance between the eyes of a stereo pair, whose pictures stand side by side, the left eye's on the "
+            "left. equirectangular: omni-directional stereo, the left eye's on top",
+            "one eye", kAdvanced},
+           [&](const FlagValue& value) { request.stereo = value.number(0.0, kMostEyeDistance); });
+}
+
+} // namespace
+
 void add_view_flags(CLI::App& app, ViewRequest& request) {
   const char* group = "Camera";
   const auto triple = [](std::optional<glm::dvec3>& target) {
@@ -201,6 +295,7 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
              if (degrees >= 180.0) value.refuse("is too wide", "give an angle below 180 degrees");
              request.yfov = glm::radians(degrees);
            });
+  add_projection_flags(app, request);
 }
 
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
@@ -217,7 +312,7 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
     if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
     const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
-    if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
+    if (unlit || request.ground || needs_framing(scene, request.view)) loaded.framing = find_framing(scene);
     if (environment.valid())
       scene.environment = environment.get();
     else

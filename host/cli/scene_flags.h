@@ -38,6 +38,8 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request);
 // Refuses a shutter that the integrator cannot show, or that opens where nothing moves. Sets the shutter's members of
 // `settings`. Throws UsageError.
 void check_shutter(const SceneRequest& request, RenderPlan& settings);
+// Refuses flags of a camera that do not go together, or with the lens and the size of the picture.
+void check_camera(const ViewRequest& view, const RenderPlan& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.
 std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
                                    const std::string& reference = "");

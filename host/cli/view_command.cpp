@@ -83,6 +83,7 @@ void check(ViewCommandRequest& request) {
     throw UsageError("--denoise", "filters finished pictures, and a window shows unfinished ones",
                      "use --integrator hybrid, or wavepath render");
   check_shutter(request.scene, request.render.settings);
+  check_camera(request.scene.view, request.render.settings);
   require_file(request.scene.path);
   const std::string& screenshot = request.screenshot;
   if (screenshot.empty()) return;

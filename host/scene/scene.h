@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,7 @@ struct Camera {
   double yfov = 0.8;                 // radians, perspective
   double aspect = 0.0;               // width over height that it was authored for; 0 = any
   double xmag = 1.0, ymag = 1.0;     // half extents, orthographic
+  std::optional<double> znear, zfar; // clip planes of the file, in metres; rays pass them unless --clip asks for them
   glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
 };
 

@@ -2,6 +2,7 @@
 #ifndef WAVEPATH_CAMERA_GLSL
 #define WAVEPATH_CAMERA_GLSL
 
+#include "kernels/base/camera_model.glsl"
 #include "kernels/base/config.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/base/math.glsl"
@@ -42,15 +43,38 @@ vec3 sample_lens(vec2 u) {
   return position.x * normalize(frame.camera_right) + position.y * normalize(frame.camera_up);
 }
 
-// The camera ray through a position in the picture, of a sample that draws its own point on the lens where there is
-// one.
-void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 direction) {
-  camera_ray(position, origin, direction);
-  if (kLens == kLensPinhole) return;
-  vec3 lens = sample_lens(sample_2d(path_sampler, kDimensionLens));
-  float along = dot(direction, frame.camera_forward); // component of the middle ray along the view axis
-  direction = normalize(direction * (frame.focus_distance / along) - lens);
-  origin += lens;
+// The camera ray through a position in the picture, of a sample of `pixel` that draws its own point on the lens where
+// there is one. `t_max`: where it ends; 0 where the camera sees nothing.
+void camera_ray(uvec2 pixel, vec2 position, Sampler path_sampler, out vec3 origin, out vec3 direction,
+                out float t_max) {
+  t_max = kFar;
+  if (uses_camera_model()) {
+    bool sees = model_ray(position, eye_of(pixel), origin, direction);
+    if (!sees) {
+      t_max = 0.0;
+      return;
+    }
+  } else {
+    camera_ray(position, origin, direction);
+  }
+  if (kLens != kLensPinhole) {
+    vec3 lens = sample_lens(sample_2d(path_sampler, kDimensionLens));
+    float along = dot(direction, frame.camera_forward); // of the ray through the middle
+    direction = normalize(direction * (frame.focus_distance / along) - lens);
+    origin += lens;
+  }
+  if (uses_camera_model()) {
+    t_max = clipped_length(direction);
+    origin = clipped_origin(origin, direction);
+  }
+}
+
+// How far a camera ray goes.
+float camera_reach(vec3 direction) { return uses_camera_model() ? clipped_length(direction) : kFar; }
+
+// Depth of a point that a camera ray from `origin` has found.
+float camera_depth(vec3 point, vec3 origin) {
+  return uses_camera_model() ? model_depth(point, origin) : dot(point - origin, frame.camera_forward);
 }
 
 #endif

@@ -81,6 +81,8 @@ GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14);
 GPU_CONSTANT Feature kFeatureLearnedSky = GPU_LOBE(15);
 // Bodies of ior 1, whose walls shadow rays pass; set besides kFeaturePanes.
 GPU_CONSTANT Feature kFeatureWalls = GPU_LOBE(16);
+// The camera is more than a pinhole or parallel rays about the picture's middle (camera_model.glsl).
+GPU_CONSTANT Feature kFeatureCameraModel = GPU_LOBE(17);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

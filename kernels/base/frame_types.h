@@ -29,6 +29,8 @@ GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 //     y = -1 +-----------------------+
 //          x = -1                  x = 1        A pixel's centre is at x = 2 (column + 0.5) / width - 1.
 //
+// Other cameras are in camera_model.glsl: there x and y are counted from elsewhere, or are angles.
+//
 // A lens moves the origin over its aperture and turns the ray about its point in the plane of focus (camera.glsl).
 struct Frame {
   vec3 camera_position;
@@ -69,8 +71,18 @@ struct Frame {
   uvec2 top_level;   // device address of the scene's structure for ray queries: low, high
   uint reuses_paths; // 1: pixels share the paths of their neighbours (kSpecReuse)
   float quad_scale;  // scale of the pixels of a quad about its middle, where pixels may reuse paths
+  uint camera_model; // kCameraPlain or another (kFeatureCameraModel), which the members below belong to
+  uint eyes;         // kEyesOne, kEyesBeside or kEyesStacked
+  vec2 camera_shift; // added to x and y
+  float clip_near;   // camera rays begin here: along the view axis, in a panorama from the eye
+  float clip_far;    // camera rays end here; kFar = nowhere
+  float eye_offset;  // metres from the middle to each eye of a stereo pair
+  float angle_limit; // radians from the axis of a fisheye up to which it sees anything
 };
-GPU_CHECK(sizeof(Frame) == 192);
+GPU_CHECK(sizeof(Frame) == 224);
+
+GPU_CONSTANT uint kCameraPlain = 0u, kCameraPlane = 1u, kCameraFisheye = 2u, kCameraSphere = 3u;
+GPU_CONSTANT uint kEyesOne = 0u, kEyesBeside = 1u, kEyesStacked = 2u; // the left eye on the left, or on top
 
 // Without error probes, sample s belongs to replicate s % kReplicates. With them, all samples of a pixel belong to
 // replicate 0, and probed pixels have as many of replicate 1 (error_probes.h). Replicates are scrambled independently,

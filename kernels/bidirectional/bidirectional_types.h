@@ -28,8 +28,9 @@ GPU_CONSTANT uint kTechniquesAll = 31u;
 struct BidirectionalFrame {
   vec3 scene_centre; // centre of a sphere around the geometry
   float scene_radius;
-  float pixel_area;  // orthographic: of a pixel; perspective: of a pixel at unit distance along the view axis
-  float light_paths; // number of light paths for one sample of all pixels
+  float pixel_area;  // orthographic: of a pixel; perspective: of a pixel at unit distance along the view axis;
+                     // panorama: in radians squared
+  float light_paths; // number of light paths for one sample of all pixels, of one eye
   uint techniques;
   uint lamps_in_bodies; // 1: the box of a body holds a lamp
 };

@@ -18,73 +18,12 @@
 #define BIND_CONNECTIONS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
+#include "kernels/bidirectional/projection.glsl"
 #include "kernels/bidirectional/receiver.glsl"
-#include "kernels/base/filter.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
-
-// Where a point appears in the picture, in pixels from the top left corner, and the ray that shows it: `to_point` of
-// unit length. `lens`: the point of the aperture that the ray passes, from its middle. False if it is behind the
-// camera.
-bool project(vec3 point, vec3 lens, out vec2 position, out vec3 origin, out vec3 to_point) {
-  vec3 offset = point - frame.camera_position;
-  float depth = dot(offset, frame.camera_forward);
-  if (kLens != kLensPinhole) { // the middle of the lens sees in the same position where the ray meets the plane of
-                               // focus
-    if (is_orthographic())
-      offset -= lens * (1.0 - depth / frame.focus_distance);
-    else
-      offset = lens + (offset - lens) * (frame.focus_distance / depth);
-  }
-  vec2 across = vec2(dot(offset, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
-                     dot(offset, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
-  origin = frame.camera_position;
-  to_point = normalize(offset);
-  if (is_orthographic()) {
-    origin = point - depth * frame.camera_forward;
-    to_point = frame.camera_forward;
-  } else {
-    across /= dot(offset, frame.camera_forward);
-  }
-  if (kLens != kLensPinhole) {
-    origin = frame.camera_position + lens;
-    if (is_orthographic()) origin += across.x * frame.camera_right + across.y * frame.camera_up;
-    to_point = normalize(point - origin);
-  }
-  position = 0.5 * vec2(float(frame.width) * (1.0 + across.x), float(frame.height) * (1.0 - across.y));
-  return depth > 0.0;
-}
-
-// Density of the filter along one axis for the pixels before, at and after `cell`; none beyond the borders.
-vec3 axis_weights(float position, float cell, uint size) {
-  vec3 weights = vec3(0.0);
-  for (int i = 0; i < 3; ++i) {
-    float at = cell + float(i - 1);
-    if (at >= 0.0 && at < float(size)) weights[i] = filter_density(position - (at + 0.5));
-  }
-  return weights;
-}
-
-// Picks one of three in proportion to their weights.
-int pick_weighted(vec3 weights, float total, float u) {
-  float rest = u * total;
-  return rest < weights.x ? 0 : rest < weights.x + weights.y || weights.z <= 0.0 ? 1 : 2;
-}
-
-// Picks one of the pixels whose filter reaches the position. Returns its filter value over the probability of the pick;
-// 0 for none.
-float pick_pixel(vec2 position, vec2 u, out uvec2 pixel) {
-  vec2 cell = floor(position);
-  vec3 x = axis_weights(position.x, cell.x, frame.width), y = axis_weights(position.y, cell.y, frame.height);
-  float total_x = x.x + x.y + x.z, total_y = y.x + y.y + y.z;
-  pixel = uvec2(0u);
-  if (!(total_x * total_y > 0.0)) return 0.0;
-  vec2 at = cell + vec2(pick_weighted(x, total_x, u.x), pick_weighted(y, total_y, u.y)) - 1.0;
-  pixel = uvec2(clamp(at, vec2(0.0), vec2(float(frame.width - 1u), float(frame.height - 1u))));
-  return total_x * total_y;
-}
 
 // Connects the vertex to the camera: true if there is a ray worth tracing. `light`: as LightVertex has it.
 bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 light, PathWeights weights,
@@ -92,8 +31,15 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
   vec2 position;
   vec3 origin, to_point;
   uvec2 pixel;
-  if (!project(v.surface.position, lens, position, origin, to_point)) return false;
-  float filter_weight = pick_pixel(position, u, pixel);
+  // Of a stereo pair, one eye by chance: each has half of the light paths.
+  uint eye = 0u;
+  if (uses_camera_model() && frame.eyes != kEyesOne) {
+    eye = u.x < 0.5 ? 0u : 1u;
+    u.x = 2.0 * u.x - float(eye);
+  }
+  if (!project(v.surface.position, lens, eye, position, origin, to_point)) return false;
+  float filter_weight = pick_pixel(position, eye, u, pixel);
+  if (uses_camera_model() && frame.eyes != kEyesOne) filter_weight *= 2.0;
   if (!(filter_weight > 0.0)) return false;
 
   float cosine = surface_cosine(v, to_point);

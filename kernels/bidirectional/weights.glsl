@@ -46,6 +46,11 @@ float nearer(PathWeights w, float density, float reverse, bool connects) {
 // With a lens, from its point that the path begins at: that has the same density whichever end found the path, and
 // cancels.
 float camera_pdf_area(vec3 offset, float cosine) {
+  if (uses_camera_model()) {
+    offset = unclipped(offset);
+    if (is_panorama())
+      return cosine / (dot(offset, offset) * panorama_stretch(offset) * bidirectional.pixel_area);
+  }
   if (is_orthographic() && kLens == kLensPinhole) return cosine / bidirectional.pixel_area;
   float depth = dot(offset, frame.camera_forward); // the density per solid angle is distance^3 / (depth^3 pixel_area)
   // An orthographic camera sees the surface by a slanted beam.

@@ -27,7 +27,8 @@ layout(local_size_x = kWorkgroupSize) in;
 
 vec3 position_at(uvec2 pixel, float depth) {
   vec3 origin, direction;
-  camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
+  hybrid_camera_ray(pixel, origin, direction);
+  if (uses_camera_model()) return point_at_depth(depth, origin, direction);
   return origin + direction * (depth / dot(direction, frame.camera_forward));
 }
 

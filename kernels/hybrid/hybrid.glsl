@@ -7,8 +7,21 @@
 #include "kernels/base/sampler.glsl"
 
 // Bit for bit the ray that generate.comp makes where the filter gives the same position in the pixel.
-void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {
+// `t_max`: as camera_ray() has it.
+void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction, out float t_max) {
+  t_max = kFar;
+  if (uses_camera_model()) {
+    bool sees = model_ray(vec2(pixel) + 0.5 + hybrid.jitter, eye_of(pixel), origin, direction);
+    t_max = sees ? clipped_length(direction) : 0.0;
+    if (sees) origin = clipped_origin(origin, direction);
+    return;
+  }
   camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
+}
+
+void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {
+  float t_max;
+  hybrid_camera_ray(pixel, origin, direction, t_max);
 }
 
 // Sampler of the pixel's path in this frame.

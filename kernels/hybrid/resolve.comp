@@ -46,7 +46,7 @@ GbufferPixel gbuffer_of(Hit hit, uint pixel_index, vec3 origin, vec3 direction, 
       is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
   GbufferPixel pixel;
   pixel.normal = shading_normal(surface, material, front, -direction);
-  pixel.depth = dot(surface.position - origin, frame.camera_forward);
+  pixel.depth = camera_depth(surface.position, origin);
   float roughness = 1.0;
   diffuse = 1.0;
   if (has(kFeatureSpecular) && wants_lights()) {
@@ -73,7 +73,8 @@ void main() {
   uvec2 pixel = slot_pixel(local);
   uint pixel_index = pixel.y * frame.width + pixel.x;
   vec3 origin, direction;
-  hybrid_camera_ray(pixel, origin, direction);
+  float t_max;
+  hybrid_camera_ray(pixel, origin, direction, t_max);
   uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
   if (visible.x != kNone) hit = hit_of_triangle(visible.x, visible.y, origin, direction);
@@ -86,7 +87,7 @@ void main() {
     uint slot = s * wave.pixel_count + local;
     store_ray(slot, Ray(origin, slot, direction, kFar));
     store_hit(slot, hit);
-    store_path(slot, PathState(vec3(shades ? 1.0 : 0.0), -1.0, vec3(0.0), 1.0));
+    store_path(slot, PathState(vec3(shades && t_max > 0.0 ? 1.0 : 0.0), -1.0, vec3(0.0), 1.0));
     begin_bodies(slot);
   }
 }

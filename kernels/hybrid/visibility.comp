@@ -25,7 +25,8 @@ void main() {
   if (local >= wave.pixel_count) return;
   pixel = pixel_in_tile_order(wave.first_pixel + local, frame.width, frame.height);
   vec3 origin, direction;
-  hybrid_camera_ray(pixel, origin, direction);
-  Hit hit = trace(origin, direction, kFar);
+  float t_max;
+  hybrid_camera_ray(pixel, origin, direction, t_max);
+  Hit hit = trace(origin, direction, t_max);
   seen[pixel.y * frame.width + pixel.x] = hit.triangle == kNone ? uvec2(kNone) : uvec2(hit.triangle, hit.instance);
 }

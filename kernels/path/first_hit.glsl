@@ -2,6 +2,7 @@
 #ifndef WAVEPATH_FIRST_HIT_GLSL
 #define WAVEPATH_FIRST_HIT_GLSL
 
+#include "kernels/base/camera.glsl"
 #include "kernels/surface/vertex.glsl"
 
 // Identifies the surface that a ray has hit, by the numbers of the scene file.
@@ -19,7 +20,7 @@ void record_first_hit(uint slot, Hit hit, Vertex v, vec3 position, vec3 origin) 
   path_aovs[slot].albedo = v.bsdf.base_color;
   path_aovs[slot].normal = v.normal;
   path_aovs[slot].position = position;
-  path_aovs[slot].depth = dot(position - origin, frame.camera_forward);
+  path_aovs[slot].depth = camera_depth(position, origin);
   path_aovs[slot].hit = 1.0;
   path_aovs[slot].roughness = sqrt(v.bsdf.alpha);
   path_aovs[slot].metallic = v.bsdf.metallic;

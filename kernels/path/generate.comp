@@ -34,9 +34,11 @@ void main() {
   store_sampler(slot, path_sampler);
   vec2 u = sample_2d(path_sampler, kDimensionFilter);
   vec3 origin, direction;
-  camera_ray(position_in_quad(pixel, vec2(pixel) + 0.5 + sample_filter(u)), path_sampler, origin, direction);
-  Ray ray = Ray(origin, slot, direction, kFar);
-  PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
+  float t_max;
+  camera_ray(pixel, position_in_quad(pixel, vec2(pixel) + 0.5 + sample_filter(u)), path_sampler, origin, direction,
+             t_max);
+  Ray ray = Ray(origin, slot, direction, t_max);
+  PathState path = PathState(vec3(t_max > 0.0 ? 1.0 : 0.0), -1.0, vec3(0.0), 1.0);
   if (!is_finite(ray.origin) || !is_finite(ray.direction)) {
     path.radiance = poisoned(path.radiance);
     count_nonfinite(kMakerGenerate, slot);

@@ -23,12 +23,14 @@ void main() {
   if (slot >= wave_slots()) return;
   Sampler path_sampler = slot_sampler(slot);
   vec2 u = sample_2d(path_sampler, kDimensionFilter);
+  uvec2 pixel = slot_pixel(slot);
   vec3 origin, direction;
-  camera_ray(vec2(slot_pixel(slot)) + 0.5 + sample_filter(u), path_sampler, origin, direction);
+  float t_max;
+  camera_ray(pixel, vec2(pixel) + 0.5 + sample_filter(u), path_sampler, origin, direction, t_max);
   nodes_of_trees[index].origin = origin;
   nodes_of_trees[index].direction = direction;
   nodes_of_trees[index].weight = vec3(1.0);
-  nodes_of_trees[index].width = whitted.width;
+  nodes_of_trees[index].width = t_max > 0.0 ? whitted.width : 0u;
   nodes_of_trees[index].medium = has(kFeatureVolume) ? frame.bodies_at_eye.x : kNone;
   nodes_of_trees[index].path = 1u;
   nodes_of_trees[index].depth = 0u;

@@ -84,7 +84,7 @@ void branch(Vertex v, WhittedNode node, uint index) {
 
 // Radiance that the ray brings, but for light that lights send to the surface and for its children.
 vec3 follow(WhittedNode node, uint index, uint slot) {
-  Hit hit = trace(node.origin, node.direction, kFar);
+  Hit hit = trace(node.origin, node.direction, wave.bounce == 0u ? camera_reach(node.direction) : kFar);
   if (hit.triangle == kNone) {
     float light_pdf;
     vec3 radiance = environment_emission(node.direction, light_pdf);

@@ -129,10 +129,11 @@ gpu::BidirectionalFrame make_frame(const PackedScene& scene, const gpu::Frame& f
                                    bool lamps_in_bodies) {
   constexpr float kMargin = 1.001f; // for rounding: no light from infinity may begin inside the scene
   const float pixels = static_cast<float>(frame.width) * static_cast<float>(frame.height);
+  const float eyes = frame.eyes == gpu::kEyesOne ? 1.0f : 2.0f; // each has half of the pixels, and of the light paths
   return {.scene_centre = scene.centre,
           .scene_radius = std::max(static_cast<float>(scene.radius), 1e-6f) * kMargin,
-          .pixel_area = 4.0f * glm::length(glm::cross(frame.camera_right, frame.camera_up)) / pixels,
-          .light_paths = pixels,
+          .pixel_area = 4.0f * glm::length(glm::cross(frame.camera_right, frame.camera_up)) / (pixels / eyes),
+          .light_paths = pixels / eyes,
           .techniques = techniques,
           .lamps_in_bodies = lamps_in_bodies ? 1u : 0u};
 }

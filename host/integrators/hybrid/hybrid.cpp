@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
@@ -151,6 +152,22 @@ float cone_width(const View& view, const RenderPlan& settings) {
   return static_cast<float>(kFraction * 2.0 * glm::length(view.right) / settings.width);
 }
 
+// Drawing, and all that goes from a point back to its pixel, is for pinholes and parallel rays about the picture's
+// middle; any camera can trace its rays.
+void refuse_what_is_not_traced(const RenderPlan& settings) {
+  const auto refuse = [](const char* flag) {
+    throw UsageError(flag, "is not for cameras with --projection, --shift, --intrinsics, --clip or --stereo",
+                     "leave it out, or use --integrator path");
+  };
+  if (settings.first_hit == kFirstHitRaster) refuse("--first-hit raster");
+  if (kShadowTechniques.find(settings)) refuse("--shadows");
+  if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
+  if (kTransparencyTechniques.find(settings)) refuse("--transparency");
+  if (kShadingModels.find(settings)) refuse("--shading");
+  if (settings.antialias != 0) refuse("--antialias");
+  if (settings.denoise != kDenoiseOff) refuse("--denoise");
+}
+
 } // namespace
 
 // Light beyond the direct one is wanted where paths would be longer than it.
@@ -184,6 +201,7 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
 Hybrid::~Hybrid() = default;
 
 void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
+  if (has_camera_model(view)) refuse_what_is_not_traced(settings);
   settings_ = settings;
   make_frame(view, settings, history);
   allocate(view, history);
@@ -206,7 +224,8 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
-  rasterizes_ = refracts() || (rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
+  rasterizes_ = refracts() || (!has_camera_model(view) &&
+                               rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;

@@ -140,7 +140,8 @@ std::vector<Binding> path_layout() {
 }
 
 gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings) {
-  return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
+  return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) |
+         (has_camera_model(view) ? gpu::kFeatureCameraModel : 0) | features_of(settings);
 }
 
 gpu::Feature film_features(const RenderPlan& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
@@ -163,9 +164,9 @@ Paths::Paths(Workspace& workspace, KernelCompiler& kernels)
 bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32_t options,
                    gpu::Feature film_features) {
   const PackedScene& scene = workspace_.scene;
-  const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
   need_ = path_need(kPathProgram, stages,
-                    kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
+                    kernel_config(scene.features | camera_features(workspace_.frame) | features_of(settings),
+                                  scene.stack_size, settings));
   sampling_ = direct_sampling(settings, scene.features);
   workspace_.frame.sky_samples = sampling_.sky;
   if (need_.config.sort != gpu::kSortNone) options |= kCapacityForSortedRays;

@@ -96,7 +96,9 @@ Imath::M44f world_to_camera(const View& view) {
 Imath::M44f world_to_ndc(const View& view) {
   const float sx = static_cast<float>(0.5 / glm::length(view.right)),
               sy = static_cast<float>(-0.5 / glm::length(view.up));
-  const Imath::M44f perspective(sx, 0, 0, 0, 0, sy, 0, 0, 0.5f, 0.5f, 1, 1, 0, 0, -1, 0);
+  const float middle_x = static_cast<float>(0.5 - 0.5 * view.shift.x),
+              middle_y = static_cast<float>(0.5 + 0.5 * view.shift.y);
+  const Imath::M44f perspective(sx, 0, 0, 0, 0, sy, 0, 0, middle_x, middle_y, 1, 1, 0, 0, -1, 0);
   const Imath::M44f orthographic(sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
   return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
 }
@@ -205,7 +207,9 @@ void add_standard_attributes(Imf::Header& header, const PictureInfo& info) {
   if (info.frame) add_frame(header, *info.frame);
   if (info.view) {
     header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
-    header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
+    // No matrix bends, and none serves two eyes.
+    if (info.view->panorama == Panorama::none && info.view->eye_distance == 0.0)
+      header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
   }
   if (info.world_to_camera) header.insert("worldToCamera", Imf::M44fAttribute(to_matrix(*info.world_to_camera)));
   if (info.world_to_ndc) header.insert("worldToNDC", Imf::M44fAttribute(to_matrix(*info.world_to_ndc)));

@@ -13,6 +13,7 @@
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 
@@ -45,6 +46,7 @@ struct Run {
   std::optional<FrameReport> frame{};        // empty = no sequence
   std::string repeat{};                      // command that renders the same bits; empty if there is none
   const MultiDeviceResult* shared = nullptr; // result of --devices; null on one device
+  const View* view = nullptr;
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

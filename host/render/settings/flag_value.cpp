@@ -71,17 +71,23 @@ double FlagValue::positive_number() const {
 }
 
 glm::dvec3 FlagValue::triple() const {
-  glm::dvec3 result{0.0};
+  const std::vector<double> values = numbers(3, "write them as X,Y,Z without spaces");
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<double> FlagValue::numbers(std::size_t count, const char* remedy) const {
+  constexpr std::string_view kWords[] = {"no", "one", "two", "three", "four"};
+  std::vector<double> values;
   std::string_view rest = text;
-  for (int i = 0; i < 3; ++i) {
-    const std::size_t end = i < 2 ? rest.find(',') : rest.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t end = i + 1 < count ? rest.find(',') : rest.size();
     const std::optional<double> value =
         end == std::string_view::npos ? std::nullopt : parse_finite(rest.substr(0, end));
-    if (!value) refuse("is not three numbers", "write them as X,Y,Z without spaces");
-    result[i] = *value;
+    if (!value) refuse(fmt::format("is not {} numbers", kWords[count]), remedy);
+    values.push_back(*value);
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  return result;
+  return values;
 }
 
 std::uint32_t FlagValue::choice(std::span<const std::string_view> names) const {

@@ -19,10 +19,11 @@ struct FlagValue {
   std::string text;
 
   std::uint32_t whole_number(std::uint64_t lowest, std::uint64_t highest) const;
-  double number(double lowest, double highest) const;                  // finite
-  double positive_number() const;                                      // finite
-  glm::dvec3 triple() const;                                           // "X,Y,Z", finite
-  std::uint32_t choice(std::span<const std::string_view> names) const; // index of one of the names
+  double number(double lowest, double highest) const;                       // finite, both ends included
+  double positive_number() const;                                           // finite
+  glm::dvec3 triple() const;                                                // "X,Y,Z", finite
+  std::vector<double> numbers(std::size_t count, const char* remedy) const; // separated by commas, finite
+  std::uint32_t choice(std::span<const std::string_view> names) const;      // index of one of the names
   // The parts before and after the separator. `remedy`: how to write the value, for the error if there is no separator.
   std::pair<FlagValue, FlagValue> split(char separator, const char* remedy) const;
   // The parts of a list separated by commas, each one of `names`, in the order given and without repetitions.

@@ -14,8 +14,12 @@ namespace {
 
 std::string camera_text(const View& view) {
   const auto text = [](const glm::dvec3& v) { return fmt::format("{:a},{:a},{:a}", v.x, v.y, v.z); }; // exact
-  return fmt::format("{}/{}/{}/{}/{}", view.orthographic ? "orthographic" : "perspective", text(view.position),
-                     text(view.forward), text(view.right), text(view.up));
+  std::string camera = fmt::format("{}/{}/{}/{}/{}", view.orthographic ? "orthographic" : "perspective",
+                                   text(view.position), text(view.forward), text(view.right), text(view.up));
+  if (has_camera_model(view))
+    camera += fmt::format("/{}/{:a},{:a}/{:a}/{:a},{:a}/{:a}", static_cast<int>(view.panorama), view.shift.x,
+                          view.shift.y, view.angle_limit, view.clip.near, view.clip.far, view.eye_distance);
+  return camera;
 }
 
 struct Record {

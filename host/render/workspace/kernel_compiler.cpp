@@ -29,7 +29,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
-                   gpu::kFeatureExactTextures | gpu::kFeatureWalls));
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {

@@ -38,11 +38,7 @@ glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::u
 // The device's world has `origin` at zero: subtract in double, then round once.
 gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPlan& settings, std::uint32_t slots) {
   gpu::Frame frame{};
-  frame.camera_position = glm::vec3(view.position - scene.origin);
-  frame.camera_right = glm::vec3(view.right);
-  frame.camera_up = glm::vec3(view.up);
-  frame.camera_forward = glm::vec3(view.forward);
-  frame.orthographic = view.orthographic ? 1u : 0u;
+  set_camera(view, scene.origin, frame);
   frame.width = settings.width;
   frame.height = settings.height;
   frame.max_depth = settings.max_depth;
@@ -163,6 +159,29 @@ std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
                                    {gpu::kBindCounters, BindingKind::storage, &counters_}});
   add_bindings(band, bindings);
   return bindings;
+}
+
+void set_camera(const View& view, const glm::dvec3& origin, gpu::Frame& frame) {
+  frame.camera_position = glm::vec3(view.position - origin);
+  frame.camera_right = glm::vec3(view.right);
+  frame.camera_up = glm::vec3(view.up);
+  frame.camera_forward = glm::vec3(view.forward);
+  frame.orthographic = view.orthographic ? 1u : 0u;
+  if (!has_camera_model(view)) return;
+  constexpr std::uint32_t kModels[] = {gpu::kCameraPlane, gpu::kCameraFisheye, gpu::kCameraSphere};
+  frame.camera_model = kModels[static_cast<std::size_t>(view.panorama)];
+  frame.camera_shift = glm::vec2(view.shift);
+  frame.clip_near = static_cast<float>(view.clip.near);
+  frame.clip_far = view.clip.far < double{gpu::kFar} ? static_cast<float>(view.clip.far) : gpu::kFar;
+  frame.angle_limit = static_cast<float>(view.angle_limit);
+  if (view.eye_distance == 0.0) return;
+  frame.eyes = stacks_eyes(view.panorama) ? gpu::kEyesStacked : gpu::kEyesBeside;
+  frame.eye_offset = static_cast<float>(0.5 * view.eye_distance);
+}
+
+gpu::Feature camera_features(const gpu::Frame& frame) {
+  return (frame.orthographic ? gpu::kFeatureOrthographic : 0) |
+         (frame.camera_model != gpu::kCameraPlain ? gpu::kFeatureCameraModel : 0);
 }
 
 std::vector<Binding> workspace_layout() {

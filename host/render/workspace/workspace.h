@@ -55,6 +55,12 @@ private:
   std::vector<std::uint32_t> entries_;
 };
 
+// Writes the camera, as it stands in a world with `origin` at zero.
+void set_camera(const View& view, const glm::dvec3& origin, gpu::Frame& frame);
+
+// kFeature bits that the camera needs.
+gpu::Feature camera_features(const gpu::Frame& frame);
+
 // Numbers and kinds of Workspace::bindings(), without buffers.
 std::vector<Binding> workspace_layout();
 

@@ -163,7 +163,11 @@ void place_camera(Import& import, std::size_t node_index) {
   if (camera.orthographic) {
     camera.xmag = std::abs(source.orthographic.xmag);
     camera.ymag = std::abs(source.orthographic.ymag);
+    camera.znear = source.orthographic.znear;
+    camera.zfar = source.orthographic.zfar;
   } else {
+    camera.znear = source.perspective.znear;
+    if (source.perspective.zfar != 0.0) camera.zfar = source.perspective.zfar; // else it is infinitely far
     camera.yfov = source.perspective.yfov;
     camera.aspect = source.perspective.aspectRatio;
   }

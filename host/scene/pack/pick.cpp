@@ -60,10 +60,9 @@ float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const
 std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& pixel,
                                const glm::dvec2& size, bool passes_backs) {
   const glm::dvec2 at = glm::dvec2(2.0, -2.0) * pixel / size + glm::dvec2(-1.0, 1.0);
-  const glm::dvec3 aside = at.x * view.right + at.y * view.up;
-  const glm::dvec3 eye = view.orthographic ? view.position + aside : view.position;
-  const glm::dvec3 direction = view.orthographic ? view.forward : view.forward + aside, origin = eye - scene.origin;
-  if (scene.triangles.empty()) return std::nullopt;
+  glm::dvec3 eye, direction;
+  if (!ray_through(view, at, eye, direction) || scene.triangles.empty()) return std::nullopt;
+  const glm::dvec3 origin = eye - scene.origin;
   const float t = scene.root_is_top
                       ? nearest_instance(scene, origin, direction, passes_backs)
                       : nearest_triangle(scene, scene.root, {vec3(origin), vec3(direction)}, passes_backs);

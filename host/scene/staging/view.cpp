@@ -1,9 +1,12 @@
 // Chooses a camera, overrides parts of it, or frames the scene; see view.h.
 #include "host/scene/staging/view.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "host/base/error.h"
 
@@ -19,6 +22,7 @@ struct Pose {
   glm::dvec3 position{0.0}, forward{0.0, 0.0, -1.0}, up{0.0, 1.0, 0.0};
   double half_height = 1.0; // of the image, at unit distance or in metres
   double half_width = 0.0;  // that the image has at least
+  Clip clip{};              // of the file
 };
 
 // An image in the authored shape keeps the authored height to the last bit, though exporters round the ratio to floats.
@@ -53,6 +57,8 @@ Pose pose_of(const Camera& camera) {
   pose.up = glm::dvec3(camera.world_from_camera[1]);
   pose.half_height = camera.orthographic ? camera.ymag : std::tan(0.5 * camera.yfov);
   pose.half_width = camera.orthographic ? camera.xmag : camera.aspect * pose.half_height;
+  pose.clip.near = camera.znear.value_or(0.0);
+  if (camera.zfar) pose.clip.far = *camera.zfar;
   return pose;
 }
 
@@ -68,6 +74,47 @@ Pose frame_scene(const Framing& framing, const std::optional<double>& yfov, doub
   pose.position = framing_eye(framing, pose.half_height * aspect, pose.half_height);
   pose.forward = framing_forward();
   return pose;
+}
+
+[[noreturn]] void refuse_beside(const char* flag, const char* other) {
+  throw UsageError(flag, fmt::format("does not go with {}", other), "leave out one of them");
+}
+
+void check_only(bool given, const char* flag, bool fits, const char* projection) {
+  if (given && !fits)
+    throw UsageError(flag, fmt::format("belongs to --projection {}", projection), "leave it out, or give that");
+}
+
+// What an eye of a stereo pair has of the picture, or all of it.
+glm::uvec2 eye_size(const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
+  if (request.stereo == 0.0) return {width, height};
+  return request.projection == Projection::equirectangular ? glm::uvec2{width, std::max(height / 2, 1u)}
+                                                           : glm::uvec2{std::max(width / 2, 1u), height};
+}
+
+// Half of the picture in pixels over pixels of a unit; and where that puts the axis.
+void apply_intrinsics(const Intrinsics& k, const glm::dvec2& size, glm::dvec2& half, View& view) {
+  half = 0.5 * size / glm::dvec2(k.fx, k.fy);
+  view.shift = {1.0 - 2.0 * k.cx / size.x, 2.0 * k.cy / size.y - 1.0};
+}
+
+// A camera of the requested projection that shows what the pose does, as far as it can: half extents of its picture.
+glm::dvec2 half_extents(const ViewRequest& request, Projection projection, const Pose& pose, const glm::dvec2& size,
+                        double half_height, double distance) {
+  const double aspect = size.x / size.y;
+  switch (projection) {
+    case Projection::fisheye:
+      return 0.5 * request.fov.value_or(std::numbers::pi) * size / std::min(size.x, size.y);
+    case Projection::equirectangular:
+      return {std::numbers::pi, 0.5 * std::numbers::pi};
+    case Projection::orthographic:
+      if (request.ymag) return {*request.ymag * aspect, *request.ymag};
+      if (!pose.orthographic) half_height *= distance;
+      break;
+    case Projection::perspective:
+      break;
+  }
+  return {half_height * aspect, half_height};
 }
 
 void check_angle(const std::optional<double>& yfov) {
@@ -118,18 +165,75 @@ double shown_half_height(const Pose& pose, double aspect) {
 
 } // namespace
 
+bool has_camera_model(const View& view) {
+  return view.panorama != Panorama::none || view.shift != glm::dvec2(0.0) || view.clip != Clip{} ||
+         view.eye_distance != 0.0;
+}
+
+bool stacks_eyes(Panorama panorama) { return panorama == Panorama::sphere; }
+
+bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction) {
+  const glm::dvec2 at = position + view.shift;
+  origin = view.position;
+  const glm::dvec3 aside = at.x * view.right + at.y * view.up;
+  if (view.panorama == Panorama::fisheye) {
+    const double angle = glm::length(aside);
+    direction = view.forward;
+    if (angle > 0.0) direction = std::cos(angle) * view.forward + std::sin(angle) / angle * aside;
+    return angle <= view.angle_limit;
+  }
+  if (view.panorama == Panorama::sphere) {
+    const double azimuth = at.x * glm::length(view.right), elevation = at.y * glm::length(view.up);
+    direction =
+        std::cos(elevation) * (std::cos(azimuth) * view.forward + std::sin(azimuth) * glm::normalize(view.right)) +
+        std::sin(elevation) * glm::normalize(view.up);
+    return true;
+  }
+  if (view.orthographic) origin += aside;
+  direction = view.orthographic ? view.forward : view.forward + aside;
+  return true;
+}
+
 bool is_framed(const Scene& scene, const ViewRequest& request) {
   return scene.cameras.empty() && request.camera.empty();
 }
 
+bool needs_framing(const Scene& scene, const ViewRequest& request) {
+  return is_framed(scene, request) || (request.projection == Projection::orthographic && !request.ymag);
+}
+
+void check_view(const ViewRequest& request) {
+  check_angle(request.yfov);
+  const std::optional<Projection>& projection = request.projection;
+  check_only(request.fov.has_value(), "--fov", projection == Projection::fisheye, "fisheye");
+  check_only(request.yfov.has_value(), "--yfov",
+             projection.value_or(Projection::perspective) == Projection::perspective, "perspective");
+  check_only(request.ymag.has_value(), "--ymag",
+             !request.yfov && projection.value_or(Projection::orthographic) == Projection::orthographic,
+             "orthographic");
+  if (request.intrinsics)
+    for (const auto& [given, flag] : {std::pair{request.yfov.has_value(), "--yfov"},
+                                      {request.fov.has_value(), "--fov"},
+                                      {request.ymag.has_value(), "--ymag"},
+                                      {request.shift.has_value(), "--shift"}})
+      if (given) refuse_beside("--intrinsics", flag);
+  if (projection == Projection::equirectangular && (request.shift || request.intrinsics))
+    throw UsageError(request.shift ? "--shift" : "--intrinsics",
+                     "has no meaning where the picture shows all directions",
+                     "leave it out, or turn the camera by --look-at");
+  if (request.stereo != 0.0 && projection == Projection::orthographic)
+    throw UsageError("--stereo", "would show both eyes the same by parallel rays", "use another --projection");
+}
+
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
-  return resolve_view(scene, is_framed(scene, request) ? find_framing(scene) : Framing{}, request, width, height);
+  return resolve_view(scene, needs_framing(scene, request) ? find_framing(scene) : Framing{}, request, width, height);
 }
 
 View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height) {
-  const double aspect = static_cast<double>(width) / static_cast<double>(height);
-  check_angle(request.yfov);
+  check_view(request);
+  const glm::dvec2 size(eye_size(request, width, height));
+  const double aspect = size.x / size.y;
   Pose pose;
   std::optional<glm::dvec3> default_target; // without a camera, --eye looks at the centre of the scene
   if (is_framed(scene, request)) {
@@ -150,13 +254,40 @@ View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest&
     throw Error(scene.path, "has a degenerate matrix on its camera",
                 "repair the camera's node, or give --eye, --look-at and --up");
   }
+  const Projection projection =
+      request.projection.value_or(pose.orthographic ? Projection::orthographic : Projection::perspective);
+  if (projection == Projection::perspective && pose.orthographic && !request.intrinsics)
+    throw UsageError("--projection perspective", "does not know how wide to look, as the chosen camera is orthographic",
+                     "give --yfov as well");
+  if (request.clips_as_file && is_framed(scene, request))
+    throw UsageError("--clip file", "has no camera to take the planes from", "write --clip NEAR,FAR");
+  check_only(request.ymag.has_value(), "--ymag", projection == Projection::orthographic, "orthographic");
+  check_only(request.stereo != 0.0, "--stereo", projection != Projection::orthographic, "perspective");
   View view;
-  view.orthographic = pose.orthographic;
+  view.orthographic = projection == Projection::orthographic;
+  if (projection == Projection::fisheye) view.panorama = Panorama::fisheye;
+  if (projection == Projection::equirectangular) view.panorama = Panorama::sphere;
   view.position = pose.position;
   view.forward = forward;
-  const double half_height = shown_half_height(pose, aspect);
-  view.right = glm::normalize(right) * (half_height * aspect);
-  view.up = glm::cross(glm::normalize(right), forward) * half_height;
+  view.eye_distance = request.stereo;
+  view.clip = request.clips_as_file ? pose.clip : request.clip.value_or(Clip{});
+  if (!(view.clip.near >= 0.0 && view.clip.near < view.clip.far))
+    throw Error(scene.path, "has a camera whose znear and zfar leave nothing between them", "write --clip NEAR,FAR");
+  const glm::dvec3 target =
+      request.look_at.value_or(framing.bounds.empty() ? pose.position + forward : framing.bounds.centre());
+  const double ahead = glm::dot(target - pose.position, forward);
+  const double distance = ahead > 0.0 ? ahead : std::max(framing.bounds.radius(), 1e-3);
+  glm::dvec2 half = half_extents(request, projection, pose, size, shown_half_height(pose, aspect), distance);
+  if (projection == Projection::fisheye && !request.intrinsics)
+    view.angle_limit = 0.5 * request.fov.value_or(std::numbers::pi);
+  if (request.shift) view.shift = 2.0 * *request.shift;
+  if (request.intrinsics) apply_intrinsics(*request.intrinsics, size, half, view);
+  view.right = glm::normalize(right) * half.x;
+  view.up = glm::cross(glm::normalize(right), forward) * half.y;
+  if (view.orthographic) { // parallel rays are shifted with their camera
+    view.position += view.shift.x * view.right + view.shift.y * view.up;
+    view.shift = glm::dvec2(0.0);
+  }
   return view;
 }
 

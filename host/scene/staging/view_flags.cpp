@@ -34,6 +34,15 @@ std::string camera_flags(const ViewRequest& request) {
   if (request.look_at) add("--look-at", triple(*request.look_at));
   if (request.up) add("--up", triple(*request.up));
   if (request.yfov) add("--yfov", fmt::format("{}", exact_degrees(*request.yfov)));
+  if (request.projection)
+    add("--projection", std::string(kProjectionNames[static_cast<std::size_t>(*request.projection)]));
+  if (request.fov) add("--fov", fmt::format("{}", exact_degrees(*request.fov)));
+  if (request.ymag) add("--ymag", fmt::format("{}", *request.ymag));
+  if (request.shift) add("--shift", fmt::format("{},{}", request.shift->x, request.shift->y));
+  if (const auto& k = request.intrinsics) add("--intrinsics", fmt::format("{},{},{},{}", k->fx, k->fy, k->cx, k->cy));
+  if (request.clips_as_file) add("--clip", "file");
+  if (request.clip) add("--clip", fmt::format("{},{}", request.clip->near, request.clip->far));
+  if (request.stereo != 0.0) add("--stereo", fmt::format("{}", request.stereo));
   return flags;
 }
 
