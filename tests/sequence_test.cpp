@@ -166,9 +166,10 @@ TEST_F(Sequence, CamerasOfTheFileMove) {
   b.root["scenes"] = {{{"nodes", {mesh, camera}}}};
   b.root["scene"] = 0;
   const std::string scene = folder_.write("camera.glb", b.glb()).string();
-  const Outcome outcome = run(fmt::format("render {} --env white --size 32x24 --spp 1 --animation 0 --fps 2 "
-                                          "--frames 0:3 --seed-per-frame off -o c#.exr --stats c#.json",
-                                          scene));
+  const Outcome outcome =
+      run(fmt::format("render {} --env white --size 32x24 --spp 1 --animation 0 --fps 2 "
+                      "--frames 0:3 --seed-per-frame off -o c#.exr --stats c#.json",
+                      scene));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(red("c0.exr"), red("c1.exr"));
   EXPECT_EQ(again("c2.json"), red("c2.exr"));
