@@ -214,8 +214,8 @@ void Sequence::upload(const RenderCommandRequest& one) {
 // Takes the plan of the first frame of its sixteen, which is made by that frame wherever it is not rendered here.
 void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
   const std::uint32_t decisive = frame - frame % kFramesOfPlan;
-  const bool cpu = prepared_.device->info().type == "cpu";
-  const bool decides = one.recorded || decisive == frame || !may_make_pilots(one.render.settings, cpu);
+  const DeviceClass device = class_of(prepared_.device->info());
+  const bool decides = one.recorded || decisive == frame || !may_make_pilots(one.render.settings, device);
   if (!decides && (!plan_ || planned_frame_ != decisive)) {
     const RenderCommandRequest pattern = request_of(whole_, decisive);
     RenderCommandRequest other = one;
@@ -259,7 +259,7 @@ int Sequence::run() {
     plan(one, frame);
     if (interrupted()) break;
     progress_.begin_frame({frame, done, frames_.size()});
-    Rendered rendered = wavepath::run(one, prepared_, reference);
+    Rendered rendered = wavepath::run(one, prepared_, reference, {});
     const StopReason stop = rendered.result.stop;
     if (stop == StopReason::interrupted) break;
     if (stop == StopReason::device_lost) // what it has would be taken for the frame
@@ -289,6 +289,9 @@ int render_sequence(const RenderCommandRequest& request) {
   if (whole.output.pictures.empty()) whole.output.pictures = {default_name(whole)};
   if (whole.render.pixel)
     throw UsageError("--pixel", "renders one path of one picture", "use the command that `repeat` of a frame tells");
+  if (whole.output.save_every > 0.0)
+    throw UsageError("--save-every", "goes with one picture: one of a part of the samples would be taken for a frame",
+                     "leave it out");
   check_names(whole);
   const std::vector<std::uint32_t> frames = list_frames(whole);
   if (frames.empty()) {
