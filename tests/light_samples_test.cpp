@@ -332,10 +332,10 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   EXPECT_EQ(floor.samples, 1u);
   EXPECT_FALSE(floor.trains);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
-  const SkyChoice brief = choose(rooms_under_a_sky(0), 256);
-  EXPECT_EQ(brief.samples, 7u) << "a second";
+  const SkyChoice brief = choose(rooms_under_a_sky(0), 600);
+  EXPECT_EQ(brief.samples, 7u) << "64 times the paths of its pilots";
   EXPECT_TRUE(brief.trains);
-  EXPECT_EQ(choose(rooms_under_a_sky(0), 240).samples, 0u) << "too short for pilots";
+  EXPECT_EQ(choose(rooms_under_a_sky(0), 560).samples, 0u) << "too short for pilots";
 }
 
 } // namespace
