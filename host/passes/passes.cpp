@@ -44,11 +44,12 @@ std::string table_text(const std::vector<std::uint32_t>& ids, Name name) {
   return table.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// Of the file, ascending.
+// Nodes of the file that pixels may show, ascending; kNoIndex last, if something is shown by none.
 std::vector<std::uint32_t> shown_nodes(const PackedScene& scene) {
-  std::vector<std::uint32_t> nodes = scene.instance_nodes;
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t id = 0; id < scene.instance_nodes.size(); ++id)
+    if (id != scene.once_instance) nodes.push_back(scene.instance_nodes[id]);
   for (const NodeRun& run : scene.node_runs) nodes.push_back(run.node);
-  std::erase(nodes, kNoIndex);
   std::ranges::sort(nodes);
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
@@ -136,17 +137,13 @@ bool add_coverages(const PassTracer& tracer, Picture& picture) {
   std::vector<std::string> names, materials;
   const std::vector<std::uint32_t> nodes = shown_nodes(scene);
   for (const std::uint32_t node : nodes) names.push_back(node_name(scene, node));
-  const auto ground = static_cast<std::uint32_t>(names.size());
-  names.push_back(node_name(scene, kNoIndex));
   for (std::uint32_t i = 0; i < scene.material_names.size(); ++i) materials.push_back(material_name(scene, i));
 
   std::vector<Coverage> of_nodes(std::size_t{picture.width} * picture.height), of_materials(of_nodes.size());
   const bool whole = tracer.trace(RaysThrough::samples, HitData::geometry, [&](const FirstHit& found) {
     if (found.hit.triangle == gpu::kNone) return;
-    const std::uint32_t node = node_of(scene, found.hit);
-    const auto index =
-        node == kNoIndex ? ground : static_cast<std::uint32_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
-    ++of_nodes[found.pixel][index];
+    const auto node = std::ranges::lower_bound(nodes, node_of(scene, found.hit));
+    ++of_nodes[found.pixel][static_cast<std::uint32_t>(node - nodes.begin())];
     ++of_materials[found.pixel][material_of(scene, found.hit)];
   });
   const std::uint32_t samples = tracer.settings.last_sample - tracer.settings.first_sample;
@@ -162,9 +159,11 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
                 Picture& picture) {
   const PassTracer tracer{device, scene, view, settings, kernels, shared, progress};
   bool whole = add_centre_passes(tracer, picture);
-  if (wants(settings, "node"))
-    picture.texts.emplace_back(kNodesText,
-                               table_text(shown_nodes(scene), [&](std::uint32_t id) { return node_name(scene, id); }));
+  if (wants(settings, "node")) {
+    std::vector<std::uint32_t> nodes = shown_nodes(scene);
+    std::erase(nodes, kNoIndex); // which has no id
+    picture.texts.emplace_back(kNodesText, table_text(nodes, [&](std::uint32_t id) { return node_name(scene, id); }));
+  }
   if (wants(settings, "material")) {
     std::vector<std::uint32_t> all(scene.material_names.size());
     std::iota(all.begin(), all.end(), 0u);
