@@ -68,7 +68,7 @@ TEST(Pilots, LeaveRendersOfLessThanASecondAlone) {
     for (std::uint32_t spp = 1; spp <= 4096; spp *= 2) {
       const RenderPlan render = render_of(size, spp);
       if (paths_of(render) >= 1e6) continue;
-      const Shares shares = worst_case(render, DeviceClass::cpu);
+      const Shares shares = worst_case(render, true);
       EXPECT_EQ(shares.deciding, 0.0) << size.width << " " << spp;
       EXPECT_LE(shares.training, 1.0 / 26.0) << size.width << " " << spp;
       EXPECT_FALSE(may_pay_adaptive(render)) << size.width << " " << spp;
