@@ -76,7 +76,7 @@ float cryptomatte_id(std::string_view name) {
   return std::bit_cast<float>(bits);
 }
 
-void add_cryptomatte(Picture& picture, const std::string& layer, const std::vector<Coverage>& coverage,
+void add_cryptomatte(Picture& picture, const std::string& layer, const std::vector<SampleCounts>& coverage,
                      const std::vector<std::string>& names, std::uint32_t samples) {
   std::vector<float> ids;
   nlohmann::ordered_json manifest = nlohmann::ordered_json::object();

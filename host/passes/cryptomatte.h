@@ -28,11 +28,11 @@ std::uint32_t murmur_hash(std::string_view name);
 float cryptomatte_id(std::string_view name);
 
 // Of a pixel: samples by name, as an index of a list of names.
-using Coverage = std::map<std::uint32_t, std::uint32_t>;
+using SampleCounts = std::map<std::uint32_t, std::uint32_t>;
 
 // Appends the channels of `layer` ("CryptoObject") and the texts that describe them. `coverage` by pixel; `names` by
 // its keys, several of which may be equal and then count as one; `samples`: of every pixel.
-void add_cryptomatte(Picture& picture, const std::string& layer, const std::vector<Coverage>& coverage,
+void add_cryptomatte(Picture& picture, const std::string& layer, const std::vector<SampleCounts>& coverage,
                      const std::vector<std::string>& names, std::uint32_t samples);
 
 bool has_cryptomatte(const Picture& picture, const std::string& layer);

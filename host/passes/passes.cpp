@@ -139,7 +139,7 @@ bool add_coverages(const PassTracer& tracer, Picture& picture) {
   for (const std::uint32_t node : nodes) names.push_back(node_name(scene, node));
   for (std::uint32_t i = 0; i < scene.material_names.size(); ++i) materials.push_back(material_name(scene, i));
 
-  std::vector<Coverage> of_nodes(std::size_t{picture.width} * picture.height), of_materials(of_nodes.size());
+  std::vector<SampleCounts> of_nodes(std::size_t{picture.width} * picture.height), of_materials(of_nodes.size());
   const bool whole = tracer.trace(RaysThrough::samples, HitData::geometry, [&](const FirstHit& found) {
     if (found.hit.triangle == gpu::kNone) return;
     const auto node = std::ranges::lower_bound(nodes, node_of(scene, found.hit));

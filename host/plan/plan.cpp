@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/gpu/device_class.h"
 #include "host/plan/adaptive.h"
 #include "host/plan/integrator.h"
 #include "host/plan/pilot_runner.h"
@@ -11,6 +12,7 @@
 #include "host/plan/sky_samples.h"
 #include "host/plan/training.h"
 #include "host/render/loop/render_result.h"
+#include "host/render/pilot_work.h"
 #include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
