@@ -48,9 +48,9 @@ struct PictureInfo {
 std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info,
                         const WriteOptions& options);
 
-// Reads a picture that write_exr() has written: all parts, with our own names of channels, without its exact sums. Empty
-// if another program may have changed the file or it cannot be read. It saves `compare` of two renders the 0.25 s of
-// loading OpenImageIO.
+// Reads a picture that write_exr() has written: all parts, with our own names of channels, without its exact sums.
+// Empty if another program may have changed the file or it cannot be read. It saves `compare` of two renders the 0.25 s
+// of loading OpenImageIO.
 std::optional<Picture> read_own_exr(const std::string& path);
 
 // Prefix of the channels that hold exact sums.

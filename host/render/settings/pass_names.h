@@ -1,4 +1,4 @@
-// Values of --aov that are made apart from the samples, by rays of their own (host/passes): they need no sums in the film.
+// Values of --aov that rays of their own find, apart from the samples (host/passes): they need no sums in the film.
 #pragma once
 
 #include <algorithm>
