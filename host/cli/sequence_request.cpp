@@ -47,10 +47,14 @@ std::optional<NumberPlace> find_place(std::string_view name, std::size_t from) {
   return std::nullopt;
 }
 
-// A bijection in which every bit of the argument changes half of those of the result (the finalizer of MurmurHash3).
+constexpr std::uint32_t kSeedBits = 0x7fffffffu; // of --seed
+
+// A bijection of the seeds in which every bit of the argument changes about half of those of the result (the finalizer
+// of MurmurHash3, modulo 2^31: odd factors and shifted exclusive ors are invertible there, too).
 std::uint32_t mix(std::uint32_t x) {
-  x = (x ^ x >> 16) * 0x85ebca6bu;
-  x = (x ^ x >> 13) * 0xc2b2ae35u;
+  x &= kSeedBits;
+  x = ((x ^ x >> 16) * 0x85ebca6bu) & kSeedBits;
+  x = ((x ^ x >> 13) * 0xc2b2ae35u) & kSeedBits;
   return x ^ x >> 16;
 }
 

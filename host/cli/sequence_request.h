@@ -41,7 +41,7 @@ double seconds_of(const SequenceRequest& request, std::uint32_t frame);
 // Degrees by which the camera has gone about the scene; 0 without a turntable.
 double turned_by(const SequenceRequest& request, std::uint32_t frame);
 
-// Of a render of this seed the one of a frame, which no other of its frames has.
+// Seed of a frame of a sequence with this --seed; no two frames have the same. Below 2^31, as --seed.
 std::uint32_t seed_of(const SequenceRequest& request, std::uint32_t seed, std::uint32_t frame);
 
 // Whether a name holds a place for the number: %d, %04d, or a run of #.
