@@ -167,6 +167,7 @@ void read_common(const std::string& part, PictureInfo& info) {
 
 // Passes of the parts; all have those of the first, or the picture lacks them.
 void add_passes_of(const std::vector<std::string>& parts, const Picture& first, Picture& picture) {
+  if (!has_passes(first)) return;
   std::vector<Picture> pictures{first};
   std::vector<std::uint32_t> samples;
   for (std::size_t i = 1; i < parts.size(); ++i) pictures.push_back(read_picture(parts[i]));

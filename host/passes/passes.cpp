@@ -174,6 +174,13 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
   return whole;
 }
 
+bool has_passes(const Picture& picture) {
+  const auto is_known = [&](const std::string& channel) { return find_channel(picture, channel) != nullptr; };
+  const PackedScene none;
+  return std::ranges::any_of(centre_passes(none), [&](const CentrePass& pass) { return is_known(pass.channels[0]); }) ||
+         has_cryptomatte(picture, kObjects);
+}
+
 void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples) {
   const PackedScene none;
   for (const CentrePass& pass : centre_passes(none))

@@ -28,6 +28,9 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
                 KernelCompiler& kernels, SceneOnDevice& shared, const std::function<bool()>& progress,
                 Picture& picture);
 
+// True if a picture holds any pass.
+bool has_passes(const Picture& picture);
+
 // Appends the passes that pictures of the same scene and view have, rendered with so many `samples` each: those through
 // centres are equal in all of them, coverages are joined.
 void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples);
