@@ -49,6 +49,24 @@ TEST(Tev, ShowsEveryChannelAndWhatChanges) {
   expect_same(tev.images["b.exr"], first);
 }
 
+// The last picture of a render may have passes that those before it lacked.
+TEST(Tev, MakesAnImageAnewForMoreChannels) {
+  FakeTev tev;
+  const Picture first = picture_of(16, 8, 1.0f);
+  Picture last = picture_of(16, 8, 2.0f);
+  last.channels.push_back({"id.node", std::vector<float>(16 * 8, 3.0f)});
+  {
+    TevViewer viewer(tev.address());
+    for (const Picture* picture : {&first, static_cast<const Picture*>(&last)}) {
+      EXPECT_TRUE(viewer.show("a.exr", *picture));
+      EXPECT_TRUE(viewer.finish());
+    }
+  }
+  tev.wait();
+  EXPECT_EQ(tev.packets, 4) << "the image is made twice, and a picture sent for each";
+  expect_same(tev.images["a.exr"], last);
+}
+
 // A packet is of a few MiB at most.
 TEST(Tev, CutsLargePictures) {
   FakeTev tev;

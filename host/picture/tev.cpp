@@ -114,7 +114,8 @@ struct TevViewer::Link {
   bool send(std::string& packet);
   bool send(const Shown& shown);
   int socket = -1;
-  std::string named; // image that tev has
+  std::string named;               // image that tev has
+  std::uint64_t channel_count = 0; // and how many channels it has: the last picture may have passes besides
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -188,13 +189,13 @@ bool TevViewer::Link::send(std::string& packet) {
 bool TevViewer::Link::send(const Shown& shown) {
   const auto& [name, picture] = shown;
   const std::uint64_t count = picture.channels.size();
-  if (name != named) {
+  if (name != named || count != channel_count) {
     std::string packet = begin_packet(create_image, true, name);
     for (const std::uint64_t number : {std::uint64_t{picture.width}, std::uint64_t{picture.height}, count})
       add(packet, static_cast<std::uint32_t>(number));
     add_names(packet, picture.channels);
     if (!send(packet)) return false;
-    named = name;
+    named = name, channel_count = count;
   }
   const auto rows = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
       kMostValues / std::max<std::uint64_t>(picture.width * count, 1), 1, std::max(picture.height, 1u)));
