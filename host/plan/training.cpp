@@ -15,7 +15,7 @@ namespace {
 constexpr double kEqual = 32.0, kLeast = 708.0;
 // Samples of a render whose end nobody knows.
 constexpr double kFewSamples = 16.0;
-constexpr double kFewestPaths = 16.0; // that find anything
+constexpr double kFewestPaths = 16.0;   // that find anything
 constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path in one cell
 
 // Paths of a render that an iteration of guiding more pays for. Half of what that takes is the host's, so that on a
