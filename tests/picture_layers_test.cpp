@@ -120,6 +120,7 @@ TEST(LayerNames, AreThoseOfBlender) {
       {"id.triangle", "ViewLayer.id triangle.X"},
       {"roughness", "ViewLayer.roughness.X"},
       {"direct.R", "ViewLayer.direct.R"},
+      {"CryptoObject00.R", "CryptoObject00.R"}, // as its header says
   };
   for (const auto& [ours, blender] : expected) {
     EXPECT_EQ(written_name(LayerNames::blender, ours), blender);

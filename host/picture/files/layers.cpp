@@ -62,6 +62,8 @@ std::string blender_name(const std::string& channel) {
 } // namespace
 
 std::string written_name(LayerNames names, const std::string& channel) {
+  // The header of a Cryptomatte names the beginning of its channels, so that they keep their names.
+  if (channel.starts_with("Crypto")) return channel;
   return names == LayerNames::blender ? blender_name(channel) : channel;
 }
 
