@@ -16,7 +16,7 @@ std::string progress_text(const Progress& progress, double time_limit, double ta
 // "3.4 s", "12:05 min" or "2:00:10 h".
 std::string duration_text(double seconds);
 
-// Where a sequence is.
+// Position in a sequence of frames.
 struct FramesDone {
   std::uint32_t number = 0;          // of the frame in progress
   std::size_t before = 0, count = 1; // frames rendered before it, and all that are to be

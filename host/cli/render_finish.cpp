@@ -104,7 +104,8 @@ MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepar
   return missing;
 }
 
-// Passes of --aov, which no sample is needed for.
+// Passes of --aov, which need no sample. An interrupt that comes meanwhile ends them; one that has ended the render
+// does not, since they take little beside it.
 void add_passes_if_asked(Prepared& prepared, RenderResult& result, const MultiDeviceResult* shared) {
   RenderPlan settings = prepared.plan.settings;
   if (std::ranges::none_of(settings.aovs, is_pass)) return;
@@ -112,10 +113,11 @@ void add_passes_if_asked(Prepared& prepared, RenderResult& result, const MultiDe
   const RenderingDevice on = surviving(prepared, shared);
   SceneOnDevice elsewhere;
   SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+  const bool ended = interrupted();
   why_not_measured(prepared, "passes of --aov were", [&] {
     if (!add_passes(
-            *on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, [] { return true; },
-            result.picture))
+            *on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device,
+            [=] { return ended || !interrupted(); }, result.picture))
       prepared.warnings.add("interrupted before all passes of --aov were found");
   });
 }
