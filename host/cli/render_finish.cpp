@@ -104,20 +104,21 @@ MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepar
   return missing;
 }
 
-// Passes of --aov, which need no sample. An interrupt that comes meanwhile ends them; one that has ended the render
-// does not, since they take little beside it.
-void add_passes_if_asked(Prepared& prepared, RenderResult& result, const MultiDeviceResult* shared) {
+// Passes of --aov, which need no sample. An interrupt that comes meanwhile ends them. One that has ended the render
+// does not, since they take little beside it; nor in a film, where a picture without them would be taken for the frame.
+void add_passes_if_asked(const RenderCommandRequest& request, Prepared& prepared, RenderResult& result,
+                         const MultiDeviceResult* shared) {
   RenderPlan settings = prepared.plan.settings;
   if (std::ranges::none_of(settings.aovs, is_pass)) return;
   settings.last_sample = settings.first_sample + std::max(result.spp, 1u);
   const RenderingDevice on = surviving(prepared, shared);
   SceneOnDevice elsewhere;
   SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
-  const bool ended = interrupted();
+  const bool goes_on = interrupted() || request.frame.has_value();
   why_not_measured(prepared, "passes of --aov were", [&] {
     if (!add_passes(
             *on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device,
-            [=] { return ended || !interrupted(); }, result.picture))
+            [=] { return goes_on || !interrupted(); }, result.picture))
       prepared.warnings.add("interrupted before all passes of --aov were found");
   });
 }
@@ -207,7 +208,7 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& re
   RenderResult& result = rendered.result;
   Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
   attempts.attempt([&] { denoise_if_asked(result, settings); });
-  add_passes_if_asked(prepared, result, rendered.shared ? &*rendered.shared : nullptr);
+  add_passes_if_asked(request, prepared, result, rendered.shared ? &*rendered.shared : nullptr);
   show(request, prepared, result.picture);
   Run run = run_of(request, prepared, result);
   if (rendered.shared) run.shared = &*rendered.shared;
