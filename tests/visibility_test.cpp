@@ -59,11 +59,7 @@ struct Shot {
 
 gpu::Frame frame_of(const PackedScene& packed, const View& view, const FrameSettings& settings) {
   gpu::Frame frame{};
-  frame.camera_position = glm::vec3(view.position - packed.origin);
-  frame.camera_right = glm::vec3(view.right);
-  frame.camera_up = glm::vec3(view.up);
-  frame.camera_forward = glm::vec3(view.forward);
-  frame.orthographic = view.orthographic ? 1u : 0u;
+  set_camera(view, packed.origin, frame);
   frame.width = settings.width;
   frame.height = settings.height;
   frame.seed = settings.seed;
@@ -93,7 +89,7 @@ public:
       : device_(device),
         packed_(packed),
         settings_(settings),
-        features_(packed.features | (view.orthographic ? gpu::kFeatureOrthographic : 0)),
+        features_(packed.features | camera_features(frame_of(packed, view, settings))),
         pixels_(settings.width * settings.height),
         scene_(upload_scene(device, packed)),
         frame_(upload(device, std::vector{frame_of(packed, view, settings)})),
@@ -149,7 +145,8 @@ public:
 private:
   std::vector<gpu::Hit> run(const BindingSet& set, std::span<const std::uint32_t> spirv) {
     std::array<std::uint32_t, gpu::kSpecCount> constants{};
-    constants[gpu::kSpecFeatures] = features_;
+    constants[gpu::kSpecFeatures] = static_cast<std::uint32_t>(features_);
+    constants[gpu::kSpecLobes] = static_cast<std::uint32_t>(features_ >> 32);
     constants[gpu::kSpecStackSize] = packed_.stack_size + 2;
     constants[gpu::kSpecWalk] = device_.info().type == "cpu" ? gpu::kWalkInStep : gpu::kWalkByLane;
     const Kernel kernel(device_, "probe", spirv, set, constants);
@@ -170,7 +167,8 @@ private:
   Device& device_;
   const PackedScene& packed_;
   FrameSettings settings_;
-  std::uint32_t features_, pixels_;
+  gpu::Feature features_;
+  std::uint32_t pixels_;
   DeviceScene scene_;
   Buffer frame_, hybrid_, rays_, hits_, queues_, unused_;
 };
@@ -183,7 +181,7 @@ Shot shoot(Device& device, const PackedScene& packed, const View& view, const Fr
                         settings.width, settings.height, rasterize);
   Workspace workspace(device, packed, 1024, kTraversalCompute);
   WaveQueue queue(workspace);
-  visibility.render(queue, camera_of(packed, view), [](Commands&) {});
+  visibility.render(queue, camera_of(packed, view), [](Commands&) {}, {view.shift, view.clip});
   queue.drain();
   return camera.compare(visibility);
 }
@@ -299,6 +297,65 @@ TEST_F(VisibilityBuffer, AnyPositionInThePixelAndAnySize) {
        {FrameSettings{1, 1, {0, 0}}, FrameSettings{37, 23, {-1.4f, 1.3f}}, FrameSettings{1, 64, {0.49f, -0.49f}},
         FrameSettings{127, 3, {-0.5f, 0.5f}}, FrameSettings{65, 65, {0, 0}}})
     check_file(kSource / "scenes/cornell_box.gltf", settings);
+}
+
+// Frustums that are off the axis, or cut by planes across the scene, of either projection. The middle of the scene is
+// in depth 1 here.
+struct CutOrShifted {
+  const char* name;
+  glm::dvec2 shift{0.0};
+  std::optional<Intrinsics> intrinsics{};
+  Clip clip{};
+  bool flat = false;
+};
+constexpr Clip kSlab{0.9, 1.1};
+const CutOrShifted kCutAndShifted[] = {{.name = "shift", .shift = {0.3, -0.4}},
+                                       {.name = "nearly out of the picture", .shift = {-0.45, 0.4}},
+                                       {.name = "intrinsics", .intrinsics = Intrinsics{140.0, 110.0, 30.0, 70.0}},
+                                       {.name = "near", .clip = {.near = 1.0}},
+                                       {.name = "far", .clip = {.far = 1.0}},
+                                       {.name = "slab", .clip = kSlab},
+                                       {.name = "shifted slab", .shift = {0.2, 0.1}, .clip = kSlab},
+                                       {.name = "orthographic slab", .clip = kSlab, .flat = true},
+                                       {.name = "orthographic near", .clip = {.near = 1.0}, .flat = true}};
+
+TEST_F(VisibilityBuffer, ShiftedAndClippedCameras) {
+  for (const char* name : {"cornell_box.gltf", "showcase.glb", "analytic/alpha_mask_cut.gltf"}) {
+    const Scene scene = load_gltf(kSource / "scenes" / name);
+    const View plain = resolve_view(scene, {}, 160, 90);
+    const double depth = glm::dot(find_framing(scene).bounds.centre() - plain.position, plain.forward);
+    for (const CutOrShifted& camera : kCutAndShifted) {
+      SCOPED_TRACE(camera.name);
+      ViewRequest request{.intrinsics = camera.intrinsics,
+                          .clip = Clip{depth * camera.clip.near, depth * camera.clip.far}};
+      if (camera.shift != glm::dvec2(0.0)) request.shift = camera.shift;
+      if (camera.flat) request.projection = Projection::orthographic;
+      check_file(kSource / "scenes" / name, {}, request);
+    }
+  }
+}
+
+// What a plane cuts away is not there: a wall between eye and object, or an object behind the far plane.
+TEST_F(VisibilityBuffer, ClipPlanesUncoverWhatIsBehind) {
+  Scene scene =
+      scene_of({rectangle({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}), rectangle({-5, -5, -2}, {10, 0, 0}, {0, 10, 0})});
+  const FrameSettings settings{32, 24};
+  for (const bool flat : {false, true}) {
+    const auto wall_of = [&](const Clip& clip) {
+      ViewRequest request{.eye = glm::dvec3(0.1, 0.2, 3.0), .look_at = glm::dvec3(0.1, 0.2, 0.0), .clip = clip};
+      if (flat) request.projection = Projection::orthographic, request.ymag = 1.0;
+      const View view = resolve_view(scene, request, settings.width, settings.height);
+      const PackedScene packed = pack(scene, {.eye = view.position});
+      const Shot shot = shoot(device(), packed, view, settings);
+      expect_agreement(packed, shot);
+      const std::uint32_t triangle = shot.raster_ids[12 * 32 + 16].triangle;
+      return triangle == gpu::kNone ? -1 : static_cast<int>(triangle / 2);
+    };
+    EXPECT_EQ(wall_of({.near = 2.999}), 0);
+    EXPECT_EQ(wall_of({.near = 3.001}), 1);
+    EXPECT_EQ(wall_of({.near = 3.001, .far = 5.001}), 1);
+    EXPECT_EQ(wall_of({.near = 2.999, .far = 3.001}), 0);
+  }
 }
 
 TEST_F(VisibilityBuffer, NothingToSee) {
@@ -510,10 +567,15 @@ TEST_F(VisibilityBuffer, DrawsWhatIsSeenAndLeavesOutTheRest) {
                               .look_at = glm::dvec3(unit(random)) * 10.0},
                              160, 90);
     view.orthographic = i % 2 == 1;
-    if (view.orthographic) view.right *= 8.0, view.up *= 8.0;
+    if (view.orthographic)
+      view.right *= 8.0, view.up *= 8.0;
+    else
+      view.shift = {0.4 * i, -0.3 * i};
+    view.clip = i >= 3 ? Clip{2.0, 12.0} : Clip{};
+    const ShownPart part{view.shift, view.clip};
     std::uint64_t drawn = 0, total = 0;
     for (const Draw& draw : packed.draws) total += std::uint64_t{draw.triangle_count} * draw.instance_count;
-    for (const Draw& draw : visible_draws(chunks, camera_of(packed, view), 160, 90))
+    for (const Draw& draw : visible_draws(chunks, camera_of(packed, view), 160, 90, part))
       drawn += std::uint64_t{draw.triangle_count} * draw.instance_count;
     EXPECT_LT(drawn, 3 * total / 4);
     EXPECT_GT(drawn, 0u);

@@ -25,6 +25,14 @@ vec3 corner_position(uint triangle, uint corner, uint instance) {
   return has(kFeatureInstances) && frame.root_is_top != 0u ? transform_point(instance * kInstanceTexels + 3u, p) : p;
 }
 
+// The same between the planes of --clip, times `w`: 1 at the near one, 0 at the far one. Zero and less are clipped, so
+// that nothing is seen behind the far plane.
+float clipped_depth(float depth, float w) {
+  float range = hybrid.far - hybrid.near;
+  if (is_orthographic()) return (hybrid.far * w - depth) / range;
+  return frame.clip_far < kFar ? hybrid.near * ((hybrid.far * w - depth) / range) : hybrid.near * w;
+}
+
 // Clip-space position of the point q / w, relative to the eye; w = 0: infinitely far in the direction of q.
 vec4 clip_point(vec3 q, float w) {
   // The inverse of camera_ray(): right, up and forward are at right angles.
@@ -33,6 +41,11 @@ vec4 clip_point(vec3 q, float w) {
   float depth = dot(q, frame.camera_forward);
   // Pixels are sampled in their centres, so that the picture moves against the jitter. Clip space has y downwards.
   vec2 shift = 2.0 * hybrid.jitter / vec2(frame.width, frame.height);
+  if (uses_camera_model()) { // the frustum is off the axis: what `depth` shifts, division by it makes a constant
+    float divisor = is_orthographic() ? w : depth;
+    position -= frame.camera_shift * divisor;
+    return vec4(vec2(position.x, -position.y) - shift * divisor, clipped_depth(depth, w), divisor);
+  }
   vec2 flipped = vec2(position.x, -position.y);
   return is_orthographic() ? vec4(flipped - shift * w, w - depth / hybrid.far, w)
                            : vec4(flipped - shift * depth, hybrid.near * w, depth);

@@ -23,8 +23,9 @@ void main() {
   if (slot >= wave.pixel_count) return;
   uvec2 pixel = slot_pixel(slot);
   vec3 origin, direction;
-  hybrid_camera_ray(pixel, origin, direction);
-  store_ray(slot, Ray(origin, slot, direction, kFar));
+  float t_max;
+  hybrid_camera_ray(pixel, origin, direction, t_max);
+  store_ray(slot, Ray(origin, slot, direction, t_max));
   uvec2 seen = texelFetch(visibility, int(pixel.y * frame.width + pixel.x)).xy;
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
   if (seen.x != kNone) hit = hit_of_triangle(seen.x, seen.y, origin, direction);

@@ -152,14 +152,16 @@ float cone_width(const View& view, const RenderPlan& settings) {
   return static_cast<float>(kFraction * 2.0 * glm::length(view.right) / settings.width);
 }
 
-// Drawing, and all that goes from a point back to its pixel, is for pinholes and parallel rays about the picture's
-// middle; any camera can trace its rays.
-void refuse_what_is_not_traced(const RenderPlan& settings) {
+// All that goes from a point back to its pixel is for pinholes and parallel rays about the picture's middle. First hits
+// can be drawn off the middle and between planes as well. Any camera can trace its rays.
+void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   const auto refuse = [](const char* flag) {
     throw UsageError(flag, "is not for cameras with --projection, --shift, --intrinsics, --clip or --stereo",
                      "leave it out, or use --integrator path");
   };
-  if (settings.first_hit == kFirstHitRaster) refuse("--first-hit raster");
+  if (settings.first_hit == kFirstHitRaster && !is_rasterizable(view))
+    throw UsageError("--first-hit raster", "cannot draw a fisheye, a sphere or a stereo pair",
+                     "leave it out: their first hits are traced");
   if (kShadowTechniques.find(settings)) refuse("--shadows");
   if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
   if (kTransparencyTechniques.find(settings)) refuse("--transparency");
@@ -201,7 +203,7 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
 Hybrid::~Hybrid() = default;
 
 void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
-  if (has_camera_model(view)) refuse_what_is_not_traced(settings);
+  if (has_camera_model(view)) refuse_what_is_not_traced(settings, view);
   settings_ = settings;
   make_frame(view, settings, history);
   allocate(view, history);
@@ -212,6 +214,7 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const glm::vec3 ambient = history == TemporalHistory::keep ? frame_.ambient : glm::vec3(0.0f);
   knows_ambient_ = history == TemporalHistory::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
+  shown_ = {view.shift, view.clip};
   frame_ = {};
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   next_sample_ = gpu::kNone;
@@ -224,7 +227,7 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
-  rasterizes_ = refracts() || (!has_camera_model(view) &&
+  rasterizes_ = refracts() || (is_rasterizable(view) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
@@ -396,7 +399,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   }
   frame_.jitter = jitter(queue, sample);
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
-  visibility_->render(queue, camera_, prepare);
+  visibility_->render(queue, camera_, prepare, shown_);
   if (multisamples()) {
     frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
     queue.submit(prepare, {});

@@ -95,6 +95,7 @@ private:
   BufferSet buffers_;
   RenderPlan settings_;
   gpu::CameraView camera_;
+  ShownPart shown_;
   gpu::HybridFrame frame_{};
   bool rasterizes_ = true;     // false: first hits are traced
   bool knows_ambient_ = false; // from earlier frames

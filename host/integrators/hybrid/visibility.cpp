@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -72,11 +74,19 @@ gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
 // errors of an edge as long as the scene. In scenes of kilometres that would hide what is in front of the lens, so
 // there it ends at a hundredth of a millimetre, and edges that cross that plane are as short as things near the eye
 // are. Orthographic: `origin` lies in the geometry's box, so nothing is farther from it than two radii.
+//
+// Planes of --clip lie within these. The far one of a perspective camera is infinite without it.
 ClipPlanes clip_planes(const PackedScene& scene, const View& view) {
   const double to_origin = glm::dot(scene.origin - view.position, view.forward);
   const double near = std::clamp(1e-6 * scene.radius, 1e-30, 1e-5);
   const double far = std::max(to_origin, 0.0) + 2.0 * scene.radius;
-  return {static_cast<float>(near), static_cast<float>(std::max(1.001 * far, 1e-30))};
+  ClipPlanes planes{static_cast<float>(near), static_cast<float>(std::max(1.001 * far, 1e-30))};
+  if (view.clip == Clip{}) return planes;
+  const float clip_near = static_cast<float>(view.clip.near), clip_far = static_cast<float>(view.clip.far);
+  planes.near = view.orthographic ? clip_near : std::max(planes.near, clip_near);
+  planes.far = view.orthographic ? std::min(planes.far, clip_far) : clip_far;
+  planes.far = std::max(planes.far, std::nextafter(planes.near, std::numeric_limits<float>::infinity()));
+  return planes;
 }
 
 // Clipping to the picture rounds the coordinates of a corner, in units of half the picture, to 2^-24 of what they are
@@ -110,20 +120,22 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
     tracer_.emplace(device, kTracer.name, kTracer.build(false, gpu_scene.queries.has_value()), bindings_, constants);
 }
 
-void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
-                        const std::function<void(Commands&)>& prepare) {
-  return raster_ ? draw(queue, camera, prepare) : trace(queue, prepare);
+void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare,
+                        const ShownPart& part) {
+  return raster_ ? draw(queue, camera, prepare, part) : trace(queue, prepare);
 }
 
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
 // first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
 // words.
-void Visibility::draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare) {
+void Visibility::draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare,
+                      const ShownPart& part) {
   const gpu::Wave wave{}; // camera rays
   const SlicedPass pass{&raster_->target, &raster_->pipeline, &bindings_, &wave};
   const auto copy = [this](Commands& commands) { raster_->target.image(0).copy_to(commands.handle(), ids_); };
-  draw_in_slices(queue, pass, visible_draws(raster_->chunks, camera, width_, height_), triangles_a_slice_.next_frame(),
-                 prepare, copy, [this](double seconds) { triangles_a_slice_.note(seconds); });
+  const std::vector<Draw> draws = visible_draws(raster_->chunks, camera, width_, height_, part);
+  draw_in_slices(queue, pass, draws, triangles_a_slice_.next_frame(), prepare, copy,
+                 [this](double seconds) { triangles_a_slice_.note(seconds); });
 }
 
 void Visibility::trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare) {

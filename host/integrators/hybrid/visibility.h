@@ -45,8 +45,9 @@ public:
              std::uint32_t cull = gpu::kCullCamera);
 
   // Submits the work that finds what `camera` sees, which must be the frame's camera. `prepare`: records commands that
-  // run before.
-  void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
+  // run before. `part`: of the same camera, for rasterization.
+  void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare,
+              const ShownPart& part = {});
 
   // Buffer for kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
@@ -58,7 +59,8 @@ private:
     RasterPipeline pipeline;
     std::vector<Chunk> chunks;
   };
-  void draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
+  void draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare,
+            const ShownPart& part);
   void trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare);
 
   std::uint32_t width_, height_;

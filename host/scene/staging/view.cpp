@@ -170,6 +170,8 @@ bool has_camera_model(const View& view) {
          view.eye_distance != 0.0;
 }
 
+bool is_rasterizable(const View& view) { return view.panorama == Panorama::none && view.eye_distance == 0.0; }
+
 bool stacks_eyes(Panorama panorama) { return panorama == Panorama::sphere; }
 
 bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction) {

@@ -46,6 +46,9 @@ struct View {
 // Whether the kernels of this camera need kFeatureCameraModel.
 bool has_camera_model(const View& view);
 
+// Whether a picture of this camera can be rasterized: one eye, and a plane, shifted or clipped or not.
+bool is_rasterizable(const View& view);
+
 // The ray through a position in the picture, from the middle between the eyes; `direction` of any length. False where
 // the camera sees nothing.
 bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction);

@@ -36,8 +36,9 @@ Chunk placed(Chunk chunk, const gpu::Instance& instance, std::uint32_t index) {
   return chunk;
 }
 
-// The four sides of the picture, and what is in front of the camera.
-std::array<HalfSpace, 5> frustum(const gpu::CameraView& camera, std::uint32_t width, std::uint32_t height) {
+// The four sides of the picture, and the two clip planes: what is in front of the camera, if there are none.
+std::array<HalfSpace, 6> frustum(const gpu::CameraView& camera, std::uint32_t width, std::uint32_t height,
+                                 const ShownPart& part) {
   const glm::dvec3 eye(camera.position), forward(camera.forward);
   // Coordinates that reach from -1 to 1 across the picture: of a point in perspective after division by its depth.
   const glm::dvec3 x = glm::dvec3(camera.right) / glm::dot(glm::dvec3(camera.right), glm::dvec3(camera.right));
@@ -47,8 +48,13 @@ std::array<HalfSpace, 5> frustum(const gpu::CameraView& camera, std::uint32_t wi
     const glm::dvec3 normal = camera.orthographic ? inwards : inwards + reach * forward;
     return HalfSpace{normal, (camera.orthographic ? reach : 0.0) - glm::dot(normal, eye)};
   };
-  return {side(-x, reach_x), side(x, reach_x), side(-y, reach_y), side(y, reach_y),
-          HalfSpace{forward, -glm::dot(forward, eye)}};
+  const double ahead = glm::dot(forward, eye);
+  return {side(-x, reach_x + part.shift.x),
+          side(x, reach_x - part.shift.x),
+          side(-y, reach_y + part.shift.y),
+          side(y, reach_y - part.shift.y),
+          HalfSpace{forward, -ahead - part.clip.near},
+          HalfSpace{-forward, ahead + std::min(part.clip.far, double{gpu::kFar})}};
 }
 
 bool may_see(std::span<const HalfSpace> frustum, const Chunk& chunk) {
@@ -96,8 +102,8 @@ std::vector<Draw> draws_within(std::span<const Chunk> chunks, std::span<const Ha
 }
 
 std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
-                                std::uint32_t height) {
-  return draws_within(chunks, frustum(camera, width, height));
+                                std::uint32_t height, const ShownPart& part) {
+  return draws_within(chunks, frustum(camera, width, height, part));
 }
 
 } // namespace wavepath

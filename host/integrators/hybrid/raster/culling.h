@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/pack/pack.h"
+#include "host/scene/staging/view.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {
@@ -19,10 +20,16 @@ struct Chunk {
 };
 std::vector<Chunk> make_chunks(const PackedScene& scene);
 
+// The part of a camera's space that its picture shows, beyond what gpu::CameraView tells: see View.
+struct ShownPart {
+  glm::dvec2 shift{0.0};
+  Clip clip{};
+};
+
 // The draws of all chunks that may be seen in a picture of this size, in their order, neighbours joined. What it leaves
 // out covers no pixel, for any position in the pixel filter.
 std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
-                                std::uint32_t height);
+                                std::uint32_t height, const ShownPart& part = {});
 
 // Inside where dot(normal, p) + offset >= 0.
 struct HalfSpace {
