@@ -6,9 +6,11 @@
 #include <numbers>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/base/error.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
@@ -132,6 +134,54 @@ TEST(CameraControl, ChoosesFramesAndResets) {
   expect_near(control.view().position, {0, 0, std::sqrt(3.0) / std::sin(kQuarter / 2)});
   control.reset();
   expect_near(control.view().position, {0, 0, 4});
+}
+
+// Another camera of the file is seen by the lens that the flags ask for, in the window and by the copied line.
+TEST(CameraControl, KeepsTheLensOfTheFlags) {
+  Scene scene = triangle_scene();
+  Camera first, second, flat;
+  second.world_from_camera = glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, 4));
+  second.yfov = 1.0;
+  flat.orthographic = true;
+  scene.cameras = {first, second, flat};
+  const std::pair<ViewRequest, const char*> lenses[] = {
+      {{.projection = Projection::fisheye, .fov = 2.0, .shift = glm::dvec2(0.25, 0.0)},
+       " --camera 1 --projection fisheye --fov 114.59155902616465 --shift 0.25,0"},
+      {{.projection = Projection::equirectangular, .stereo = 0.064},
+       " --camera 1 --projection equirectangular --stereo 0.064"},
+      {{.projection = Projection::orthographic, .ymag = 2.0, .clip = Clip{1.0, 3.0}},
+       " --camera 1 --projection orthographic --ymag 2 --clip 1,3"},
+      {{.intrinsics = Intrinsics{100.0, 100.0, 40.0, 50.0}}, " --camera 1 --intrinsics 100,100,40,50"},
+      {{.clips_as_file = true}, " --camera 1 --clip file"},
+      {{.yfov = 0.5}, " --camera 1"}}; // an angle is the chosen camera's
+  for (const auto& [lens, flags] : lenses) {
+    SCOPED_TRACE(flags);
+    ViewRequest moved = lens;
+    moved.eye = glm::dvec3(1, 2, 3);
+    CameraControl control(scene, unit_framing(), moved);
+    EXPECT_TRUE(control.choose(1));
+    EXPECT_EQ(camera_flags(control.request()), flags);
+    expect_near(control.view().position, {0, 0, 4});
+  }
+}
+
+// Parallel rays have no angle to become perspective by: the camera stays where it was.
+TEST(CameraControl, StaysWhereALensDoesNotFit) {
+  Scene scene = triangle_scene();
+  Camera first, flat;
+  flat.orthographic = true;
+  scene.cameras = {first, flat};
+  for (const ViewRequest& lens : {ViewRequest{.projection = Projection::perspective}, ViewRequest{.stereo = 0.1}}) {
+    CameraControl control(scene, unit_framing(), lens);
+    control.fly({1.0, 0.0, 0.0});
+    const std::string before = camera_flags(control.request());
+    EXPECT_THROW(control.choose(1), UsageError);
+    EXPECT_EQ(camera_flags(control.request()), before);
+  }
+  CameraControl control(scene, unit_framing(), {.yfov = 0.5, .projection = Projection::perspective});
+  EXPECT_TRUE(control.choose(1));
+  EXPECT_EQ(camera_flags(control.request()),
+            fmt::format(" --camera 1 --yfov {} --projection perspective", glm::degrees(0.5)));
 }
 
 TEST(CameraControl, StaysAmongNumbers) {

@@ -101,10 +101,21 @@ bool CameraControl::focus(const glm::dvec3& point) {
 
 bool CameraControl::choose(std::size_t camera) {
   if (camera >= cameras_.cameras.size()) return false;
-  request_ = {.camera = std::to_string(camera)};
+  const ViewRequest before = request_;
+  request_.camera = std::to_string(camera);
+  request_.eye = request_.look_at = request_.up = std::nullopt;
+  // An angle is the file's, where it has one; parallel rays made perspective have that of the flag alone.
+  const bool needs_angle = request_.projection == Projection::perspective && cameras_.cameras[camera].orthographic;
+  request_.yfov = needs_angle ? initial_.yfov : std::nullopt;
   // A name goes before an index; where one camera is called by another's number, only its own name will do.
   for (const Camera& other : cameras_.cameras)
     if (other.name == request_.camera) request_.camera = cameras_.cameras[camera].name;
+  try {
+    view();
+  } catch (...) {
+    request_ = before;
+    throw;
+  }
   return true;
 }
 

@@ -36,7 +36,9 @@ public:
   bool focus(const glm::dvec3& point);
 
   void reset() { request_ = initial_; }
-  // False if the scene has no such camera.
+  // Position, direction and angle of a camera of the file. What its flags say of the projection stays: --projection,
+  // --fov, --ymag, --shift, --intrinsics, --clip and --stereo. False if the scene has no such camera. Throws Error where
+  // they do not go together; then all is as it was.
   bool choose(std::size_t camera);
   void frame_scene();
 

@@ -358,7 +358,12 @@ void Viewer::act(const PanelWishes& wishes) {
   fit_comparison();
   if (wishes.reset) camera_.reset();
   if (wishes.frame) camera_.frame_scene();
-  const bool chosen = wishes.camera && camera_.choose(*wishes.camera);
+  bool chosen = false;
+  if (wishes.camera) try {
+      chosen = camera_.choose(*wishes.camera);
+    } catch (const Error& error) {
+      panel_.message = error.what();
+    }
   if (wishes.reset || wishes.frame || chosen) move_camera();
   if (wishes.copy) copy();
   if (wishes.save_exr) save("exr");
