@@ -334,6 +334,47 @@ TEST(Info, TellsWhatASceneHolds) {
   EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
 }
 
+// K of a camera of the file and of a render, and flags that change it.
+TEST(Info, TellsCameras) {
+  using Json = nlohmann::json;
+  const auto about = [](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"info", kBox, "--json", "--size", "200x100"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const Outcome outcome = run_wavepath(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const Json plain = about({}), file = plain["cameras"][0];
+  EXPECT_EQ(file["world_from_camera"], Json({-1, 0, 0, .278, 0, 1, 0, .273, 0, 0, -1, -.8, 0, 0, 0, 1}));
+  const double half = std::tan(0.5 * file["yfov"].get<double>() * 3.14159265358979 / 180.0);
+  const Json k = file["view"]["intrinsics"];
+  EXPECT_NEAR(k[0].get<double>(), 50.0 / half, 1e-9);
+  EXPECT_NEAR(k[1].get<double>(), 50.0 / half, 1e-9);
+  EXPECT_EQ(Json({k[2], k[3]}), Json({100, 50}));
+  EXPECT_NEAR(file["view"]["fov"][1].get<double>(), file["yfov"].get<double>(), 1e-9);
+  EXPECT_EQ(file["view"], plain["camera"]);
+  EXPECT_TRUE(file.contains("znear") && file.contains("zfar"));
+
+  const Json shifted = about({"--shift", "0.25,0", "--eye", "0,0,9"});
+  EXPECT_EQ(shifted["camera"]["intrinsics"][2], 50);
+  EXPECT_EQ(shifted["camera"]["position"], Json({0, 0, 9}));
+  EXPECT_EQ(shifted["cameras"][0]["view"]["intrinsics"][2], 50);
+  EXPECT_EQ(shifted["cameras"][0]["view"]["position"], plain["camera"]["position"]) << "a camera of the file stays";
+  const Json given = about({"--intrinsics", "80,90,30,40"});
+  EXPECT_NEAR(given["camera"]["intrinsics"][1].get<double>(), 90.0, 1e-9);
+  const Json sphere = about({"--projection", "equirectangular", "--stereo", "0.06"})["camera"];
+  EXPECT_EQ(sphere["fov"], Json({360, 180}));
+  EXPECT_TRUE(sphere["intrinsics"].is_null());
+  EXPECT_EQ(sphere["stereo"], 0.06);
+
+  const Outcome text = run_wavepath({"info", kBox, "--size", "200x100", "--intrinsics", "80,90,30,40"});
+  for (const char* words : {"camera 0 'camera' at 200x100", "--intrinsics 80, 90, 30, 40",
+                            "matrix, by rows:", "perspective from 0.278, 0.273, -0.8 along 0, 0, 1"})
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
+  expect_error({"info", kBox, "--projection", "orthographic", "--stereo", "1"}, 2, "would show both eyes the same");
+  expect_error({"info", kBox, "--stereo", "1", "--size", "63x48"}, 2, "cannot halve a picture");
+}
+
 TEST(Info, TellsWhatARenderTakes) {
   using Json = nlohmann::json;
   const auto renders = [](const std::string& scene, const std::vector<std::string>& flags) {

@@ -177,6 +177,35 @@ TEST(View, IntrinsicsPutPointsWhereTheirMatrixDoes) {
   expect_near(point.z * direction, {0.3, 0.2, -2.0});
 }
 
+TEST(View, TellsItsMatrixAndItsAngles) {
+  const Intrinsics k{300.0, 250.0, 190.0, 60.0};
+  const auto expect_same = [&](const View& view, std::uint32_t width) {
+    const Intrinsics told = intrinsics_of(view, width, 100).value();
+    EXPECT_NEAR(told.fx, k.fx, 1e-9);
+    EXPECT_NEAR(told.fy, k.fy, 1e-9);
+    EXPECT_NEAR(told.cx, k.cx, 1e-9);
+    EXPECT_NEAR(told.cy, k.cy, 1e-9);
+  };
+  for (const Projection projection : {Projection::perspective, Projection::fisheye})
+    for (const double stereo : {0.0, 0.1}) {
+      const std::uint32_t width = stereo == 0.0 ? 400 : 800;
+      const View view =
+          resolve_view(camera_scene(), {.projection = projection, .intrinsics = k, .stereo = stereo}, width, 100);
+      expect_same(view, width);
+    }
+  // From the left edge to the right one, and from the top to the bottom.
+  const View view = resolve_view(camera_scene(), {.intrinsics = k}, 400, 100);
+  const glm::dvec2 angles = angles_of(view).value();
+  EXPECT_NEAR(angles.x, std::atan(190.0 / 300.0) + std::atan(210.0 / 300.0), 1e-12);
+  EXPECT_NEAR(angles.y, std::atan(60.0 / 250.0) + std::atan(40.0 / 250.0), 1e-12);
+  const View sphere = resolve_view(camera_scene(), {.projection = Projection::equirectangular}, 400, 200);
+  EXPECT_FALSE(intrinsics_of(sphere, 400, 200));
+  expect_near({angles_of(sphere).value(), 0.0}, {2.0 * std::numbers::pi, std::numbers::pi, 0.0});
+  const View fisheye = resolve_view(camera_scene(), {.projection = Projection::fisheye, .fov = 3.0}, 400, 100);
+  expect_near({angles_of(fisheye).value(), 0.0}, {3.0, 3.0, 0.0}); // a circle in the middle
+  EXPECT_FALSE(angles_of(resolve_view(camera_scene(), {.camera = "1"}, 4, 4)));
+}
+
 TEST(View, BecomesOrthographicAsLargeAsAtItsTarget) {
   const View view = resolve_view(
       camera_scene(), {.eye = glm::dvec3(0, 0, 8), .look_at = glm::dvec3(0.0), .projection = Projection::orthographic},

@@ -18,6 +18,7 @@
 #include "host/plan/memory.h"
 #include "host/plan/plan.h"
 #include "host/plan/record.h"
+#include "host/render/report/camera_json.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
@@ -124,11 +125,7 @@ Json film_bytes() {
 // What info tells of a scene, in the order in which it is printed.
 Json describe(const std::string& path, const Scene& scene, const ScenePlan& planned, const PackedScene& packed) {
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
-  for (const Camera& camera : scene.cameras)
-    cameras.push_back({{"name", camera.name},
-                       {"kind", camera.orthographic ? "orthographic" : "perspective"},
-                       {"znear", camera.znear ? Json(*camera.znear) : Json()},
-                       {"zfar", camera.zfar ? Json(*camera.zfar) : Json()}});
+  for (const Camera& camera : scene.cameras) cameras.push_back(camera_json(camera));
   for (const LeftOut& entry : packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
   for (const auto& [text, count] : scene.warnings.counts()) warnings.push_back({{"text", text}, {"count", count}});
@@ -188,7 +185,42 @@ std::string planes_text(const Json& camera) {
   return fmt::format(", planes at {:g} and {} m, ignored without --clip file", camera["znear"].get<double>(), far);
 }
 
-void print_scene(const Json& about, const std::vector<std::string>& extensions) {
+void print_view(const Json& view) {
+  const auto list = [](const Json& values) {
+    std::vector<std::string> words;
+    for (const Json& value : values) words.push_back(fmt::format("{:.6g}", value.get<double>() + 0.0)); // no -0
+    return fmt::format("{}", fmt::join(words, ", "));
+  };
+  print_out("      {} from {} along {}\n", view["projection"].get<std::string>(), list(view["position"]),
+            list(view["forward"]));
+  if (!view["fov"].is_null())
+    print_out("      shows {:.6g} by {:.6g} degrees\n", view["fov"][0].get<double>(), view["fov"][1].get<double>());
+  if (const Json& k = view["intrinsics"]; !k.is_null()) print_out("      --intrinsics {}\n", list(k));
+}
+
+// The cameras of the file, and the one of a render with these flags.
+void print_cameras(const Json& about, const RenderPlan& settings) {
+  const Json& cameras = about["cameras"];
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    print_out("    camera {} '{}' at {}x{}\n", i, cameras[i]["name"].get<std::string>(), settings.width,
+              settings.height);
+    if (const Json& view = cameras[i]["view"]; view.is_null())
+      print_out("      not with these flags\n");
+    else
+      print_view(view);
+    print_out("      matrix, by rows:\n");
+    for (std::size_t row = 0; row < 4; ++row) {
+      print_out("       ");
+      for (std::size_t column = 0; column < 4; ++column)
+        print_out(" {:>12.6g}", cameras[i]["world_from_camera"][4 * row + column].get<double>());
+      print_out("\n");
+    }
+  }
+  print_out("    a render at {}x{}\n", settings.width, settings.height);
+  print_view(about["camera"]);
+}
+
+void print_scene(const Json& about, const std::vector<std::string>& extensions, const RenderPlan& settings) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
   print_out("{}\n", about["scene"].get<std::string>());
@@ -208,6 +240,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
     cameras.push_back(fmt::format("{} '{}' ({}{})", cameras.size(), camera["name"].get<std::string>(),
                                   camera["kind"].get<std::string>(), planes_text(camera)));
   print_out("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
+  print_cameras(about, settings);
   print_out("  extensions  {}\n", join_or_none(extensions));
   print_out("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
@@ -217,6 +250,26 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   for (const Json& entry : about["left_out"])
     print_out("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
               number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
+}
+
+// What each camera of the file shows with the flags of projection and size; null where they do not go together.
+Json describe_views(const Scene& scene, const Framing& framing, const ViewRequest& asked, const RenderPlan& settings) {
+  Json views = Json::array();
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    ViewRequest request = asked;
+    request.eye = request.look_at = request.up = std::nullopt;
+    Scene alone; // so that no other one's name is its number
+    alone.path = scene.path;
+    alone.cameras = {scene.cameras[i]};
+    request.camera.clear();
+    try {
+      const View view = resolve_view(alone, framing, request, settings.width, settings.height);
+      views.push_back(camera_json(view, settings.width, settings.height));
+    } catch (const Error&) {
+      views.push_back(nullptr);
+    }
+  }
+  return views;
 }
 
 // What a render would do, as far as it is known before its pilots.
@@ -233,6 +286,7 @@ std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const Ren
 
 int run_scene(InfoCommandRequest& request) {
   resolve_settings(request.scene, request.render);
+  check_camera(request.scene.view, request.render.settings);
   RenderPlan& settings = request.render.settings;
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
@@ -245,6 +299,9 @@ int run_scene(InfoCommandRequest& request) {
   settings.moving = packed.moves();
   Json about = describe(request.scene.path, scene, planned, packed);
   about["lights"]["by_rule"] = loaded.light;
+  const Json views = describe_views(scene, loaded.framing, request.scene.view, settings);
+  for (std::size_t i = 0; i < views.size(); ++i) about["cameras"][i]["view"] = views[i];
+  about["camera"] = camera_json(view, settings.width, settings.height);
   about["renders"] = describe_renders(settings, planned, packed);
   const std::vector<Decision> decisions =
       request.plan ? plan_by_rules(request, settings, planned, packed) : std::vector<Decision>();
@@ -252,7 +309,7 @@ int run_scene(InfoCommandRequest& request) {
   if (request.json) {
     print_out("{}", to_text(about));
   } else {
-    print_scene(about, scene.extensions_used);
+    print_scene(about, scene.extensions_used, settings);
     if (request.plan)
       print_out("plan of a render at {}x{}, {} spp\n{}", settings.width, settings.height, settings.last_sample,
                 plan_table(decisions));
@@ -269,6 +326,7 @@ Command add_info(CLI::App& app) {
   const auto request = std::make_shared<InfoCommandRequest>();
   add_scene_flags(*command, request->scene, false);
   add_shutter_flag(*command, request->scene);
+  add_view_flags(*command, request->scene.view);
   add_settings_of_render(*command, request->render);
   add_switch(
       *command, "Output",

@@ -1,5 +1,6 @@
 // Builds the stats document.
 #include "host/render/report/stats.h"
+#include "host/render/report/camera_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -162,24 +163,6 @@ Json frame_json(const FrameReport& frame) {
           {"built_triangles", frame.built_triangles}};
 }
 
-// As kernels/base/camera_model.glsl has it: world space; `right` and `up` are half the picture at unit distance, in
-// metres (orthographic) or in radians (panoramas).
-Json camera_json(const View& view) {
-  const auto list = [](const glm::dvec3& v) { return Json{v.x, v.y, v.z}; };
-  const Projection projection = view.panorama == Panorama::fisheye  ? Projection::fisheye
-                                : view.panorama == Panorama::sphere ? Projection::equirectangular
-                                : view.orthographic                 ? Projection::orthographic
-                                                                    : Projection::perspective;
-  return {{"projection", kProjectionNames[static_cast<std::size_t>(projection)]},
-          {"position", list(view.position)},
-          {"forward", list(view.forward)},
-          {"right", list(view.right)},
-          {"up", list(view.up)},
-          {"shift", {0.5 * view.shift.x, 0.5 * view.shift.y}},
-          {"clip", {view.clip.near, std::isfinite(view.clip.far) ? Json(view.clip.far) : Json()}},
-          {"stereo", view.eye_distance}};
-}
-
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderPlan& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
@@ -303,7 +286,7 @@ Json stats_document(const Run& run) {
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"devices", run.shared ? devices_json(*run.shared) : Json()},
-      {"camera", run.view ? camera_json(*run.view) : Json()},
+      {"camera", run.view ? camera_json(*run.view, run.settings.width, run.settings.height) : Json()},
       {"size", {settings.width, settings.height}},
       {"spp", result.spp},
       {"triangles", run.packed.triangle_count},

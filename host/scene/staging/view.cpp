@@ -86,10 +86,9 @@ void check_only(bool given, const char* flag, bool fits, const char* projection)
 }
 
 // What an eye of a stereo pair has of the picture, or all of it.
-glm::uvec2 eye_size(const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
-  if (request.stereo == 0.0) return {width, height};
-  return request.projection == Projection::equirectangular ? glm::uvec2{width, std::max(height / 2, 1u)}
-                                                           : glm::uvec2{std::max(width / 2, 1u), height};
+glm::uvec2 eye_size(bool stereo, bool stacked, std::uint32_t width, std::uint32_t height) {
+  if (!stereo) return {width, height};
+  return stacked ? glm::uvec2{width, std::max(height / 2, 1u)} : glm::uvec2{std::max(width / 2, 1u), height};
 }
 
 // Half of the picture in pixels over pixels of a unit; and where that puts the axis.
@@ -196,6 +195,20 @@ bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origi
   return true;
 }
 
+std::optional<Intrinsics> intrinsics_of(const View& view, std::uint32_t width, std::uint32_t height) {
+  if (view.panorama == Panorama::sphere) return std::nullopt;
+  const glm::dvec2 size(eye_size(view.eye_distance != 0.0, false, width, height));
+  return Intrinsics{0.5 * size.x / glm::length(view.right), 0.5 * size.y / glm::length(view.up),
+                    0.5 * size.x * (1.0 - view.shift.x), 0.5 * size.y * (1.0 + view.shift.y)};
+}
+
+std::optional<glm::dvec2> angles_of(const View& view) {
+  const glm::dvec2 half(glm::length(view.right), glm::length(view.up));
+  if (view.orthographic) return std::nullopt;
+  if (view.panorama != Panorama::none) return glm::min(2.0 * half, glm::dvec2(2.0 * view.angle_limit));
+  return glm::atan(half * (1.0 + view.shift)) + glm::atan(half * (1.0 - view.shift));
+}
+
 bool is_framed(const Scene& scene, const ViewRequest& request) {
   return scene.cameras.empty() && request.camera.empty();
 }
@@ -234,7 +247,8 @@ View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t 
 View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height) {
   check_view(request);
-  const glm::dvec2 size(eye_size(request, width, height));
+  const glm::dvec2 size(
+      eye_size(request.stereo != 0.0, request.projection == Projection::equirectangular, width, height));
   const double aspect = size.x / size.y;
   Pose pose;
   std::optional<glm::dvec3> default_target; // without a camera, --eye looks at the centre of the scene

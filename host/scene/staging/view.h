@@ -61,6 +61,13 @@ struct Intrinsics {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
 };
 
+// The matrix K of a picture of this size, of either eye; nothing for a sphere. Pixels a radian for a fisheye, pixels a
+// metre for parallel rays.
+std::optional<Intrinsics> intrinsics_of(const View& view, std::uint32_t width, std::uint32_t height);
+
+// Angles in radians that the picture of an eye shows across and down; nothing for parallel rays.
+std::optional<glm::dvec2> angles_of(const View& view);
+
 // The flags of a camera; values not given come from the chosen camera.
 struct ViewRequest {
   std::string camera{}; // name or index; empty = the first
