@@ -13,6 +13,7 @@
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/render/workspace/kernel_compiler.h"
@@ -150,6 +151,32 @@ TEST_F(HybridTest, TracedFirstHitsAreTheRasterizedOnes) {
   ASSERT_GT(subject.packed.triangle_count, traced.size());
   const DeviceInfo& info = device().info();
   EXPECT_EQ(picture(kFirstHitAuto), info.type == "cpu" || info.draws_slowly ? traced : rasterized);
+}
+
+// Whole frames of cameras that are shifted or clipped: light and depths where the rasterized points are.
+TEST_F(HybridTest, DrawsShiftedAndClippedCameras) {
+  ViewRequest shifted{.shift = glm::dvec2(0.2, -0.1)}, clipped{.clip = Clip{7.0, 8.0}};
+  for (const ViewRequest& request : {shifted, clipped}) {
+    const Subject subject(load("showcase.glb"), 96, 64, request);
+    RenderPlan one = settings(&kHybrid, 1);
+    one.width = 96, one.height = 64;
+    one.aovs = {"depth"};
+    const auto picture = [&](std::uint32_t first_hit) {
+      one.first_hit = first_hit;
+      return render(subject, one).picture;
+    };
+    const Picture rasterized = picture(kFirstHitRaster), traced = picture(kFirstHitTraced);
+    for (const char* name : {"G", "Z"}) {
+      const std::vector<float>&a = find_channel(rasterized, name)->values, &b = find_channel(traced, name)->values;
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < a.size(); ++i) different += a[i] != b[i];
+      EXPECT_LT(different, a.size() / 100) << name;
+    }
+  }
+  RenderPlan raster = settings(&kHybrid, 1);
+  raster.first_hit = kFirstHitRaster;
+  const Subject pair(load("showcase.glb"), 96, 64, {.stereo = 0.1});
+  EXPECT_THROW(render(pair, raster), UsageError);
 }
 
 TEST(FirstHits, AreTracedWhereThatIsFaster) {
