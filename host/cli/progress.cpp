@@ -101,6 +101,7 @@ void ProgressDisplay::begin_frame(const FramesDone& frames) {
 }
 
 void ProgressDisplay::show(const Progress& progress) {
+  if (meanwhile_) meanwhile_();
   const Clock::time_point now = Clock::now();
   if (quiet_ || now - last_ < (terminal_ ? kRedraw : kLineInterval)) return;
   last_ = now;

@@ -1,8 +1,10 @@
 // Shows on stderr how far a render is.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "host/base/clock.h"
 #include "host/render/render.h"
@@ -34,6 +36,8 @@ public:
 
   // A bar that is drawn over on a terminal; elsewhere a line, at most every 5 s.
   void show(const Progress& progress);
+  // `step` is called whenever there is something to show, before that; it may print after clear().
+  void call_meanwhile(std::function<void()> step) { meanwhile_ = std::move(step); }
   // From here on it shows this frame among all.
   void begin_frame(const FramesDone& frames);
   // Leaves the cursor at the start of an empty line.
@@ -43,6 +47,7 @@ private:
   bool quiet_, terminal_;
   double time_limit_, target_error_;
   Clock::time_point last_;
+  std::function<void()> meanwhile_;
   std::optional<FramesDone> frames_; // of a sequence
   Clock::time_point begun_;          // the first of them
   bool drawn_ = false;

@@ -124,9 +124,9 @@ void add_passes_if_asked(const RenderCommandRequest& request, Prepared& prepared
 }
 
 // What a report tells without measuring more.
-Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
-  Run run{request.scene.path,     request.command_line, prepared.device->info(),
-          prepared.plan.settings, prepared.packed,      result};
+Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const RenderPlan& settings,
+           const RenderResult& result) {
+  Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   run.plan = prepared.plan.decisions;
   add_outcomes(run.plan, result);
   run.repeat = repeat_command(request, prepared, result);
@@ -136,37 +136,17 @@ Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const 
   return run;
 }
 
-// Writes the pictures and reports what the run measured.
-void write_and_report(const RenderCommandRequest& request, Prepared& prepared, const Rendered& rendered, Run& run,
-                      Attempts& attempts) {
-  Device& device = *prepared.device;
-  const Clock::time_point start = Clock::now();
-  OutputRequest output = request.output;
-  write_pictures(output, picture_info(request, prepared, rendered, run), rendered.result.picture, prepared.warnings,
-                 attempts);
-  run.write_seconds = seconds_since(start);
-  run.peak_bytes = device.memory_peak();
-  if (device.memory_displaced() > 0)
-    prepared.warnings.add(fmt::format("the device's memory is full: {:.1f} MiB lie elsewhere, which is much slower",
-                                      static_cast<double>(device.memory_displaced()) / 1048576.0));
-  run.total_seconds = seconds_since_process_start();
-  device.pipeline_cache().save();
-  run.kernel_cache = device.pipeline_cache().describe();
-  report(run, output, prepared.warnings, attempts);
-  if (prepared.viewer && !prepared.viewer->finish()) // all else is done, so that it costs a second at most
-    print_err("wavepath: warning: --tev: the viewer did not take the whole picture\n");
-}
-
 // The picture is written; what else is wrong ends the command.
-void check_result(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
+void check_result(const RenderCommandRequest& request, const DeviceInfo& device, const RenderPlan& settings,
+                  const RenderResult& result) {
   if (request.render.strict && result.nonfinite.first)
     throw Error(request.scene.path,
                 fmt::format("samples that were not finite: {}, {}", result.nonfinite.samples(),
-                            describe_first(result.nonfinite, prepared.plan.settings)),
+                            describe_first(result.nonfinite, settings)),
                 "report this with the scene, or render without --strict");
   if (result.stop == StopReason::device_lost)
     throw DeviceLost(
-        prepared.device->info().name,
+        device.name,
         fmt::format("was lost while rendering; what is written has the first {} samples a pixel", result.spp),
         request.render.state.file.empty() ? "render with --checkpoint to go on after such an end"
         : request.render.state.resume     ? "run the same command to go on"
@@ -186,7 +166,7 @@ void save_so_far(const RenderCommandRequest& request, Prepared& prepared, const 
   Rendered rendered{.result = so_far, .shared = {}, .true_errors = {}};
   if (!prepared.others.empty()) rendered.result.even = false; // whether the devices round alike is known at the end
   try_to([&] { denoise_if_asked(rendered.result, prepared.plan.settings); });
-  Run run = run_of(request, prepared, rendered.result);
+  Run run = run_of(request, prepared, prepared.plan.settings, rendered.result);
   run.bias = list_bias(prepared.plan.settings, prepared.packed, rendered.result);
   run.peak_bytes = prepared.device->memory_peak();
   run.kernel_cache = prepared.device->pipeline_cache().describe();
@@ -202,28 +182,79 @@ void save_so_far(const RenderCommandRequest& request, Prepared& prepared, const 
   });
 }
 
-int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
-           const std::optional<Picture>& reference) {
-  const RenderPlan& settings = prepared.plan.settings;
-  RenderResult& result = rendered.result;
-  Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
-  attempts.attempt([&] { denoise_if_asked(result, settings); });
-  add_passes_if_asked(request, prepared, result, rendered.shared ? &*rendered.shared : nullptr);
+std::unique_ptr<Unwritten> end_render(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
+                                      const std::optional<Picture>& reference) {
+  auto ended = std::make_unique<Unwritten>(Unwritten{request, prepared.plan.settings, std::move(rendered)});
+  const RenderPlan& settings = ended->settings;
+  RenderResult& result = ended->rendered.result;
+  const MultiDeviceResult* shared = ended->rendered.shared ? &*ended->rendered.shared : nullptr;
+  ended->attempts.attempt([&] { denoise_if_asked(result, settings); });
+  add_passes_if_asked(request, prepared, result, shared);
   show(request, prepared, result.picture);
-  Run run = run_of(request, prepared, result);
-  if (rendered.shared) run.shared = &*rendered.shared;
-  run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
+  Run& run = ended->run.emplace(run_of(request, prepared, settings, result));
+  run.shared = shared;
+  run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, shared));
   if (reference && result.denoised)
     why_not_measured(prepared, "the true error of the filtered picture was",
                      [&] { run.denoised_error = measure_true_error(shown_picture(result.picture), *reference); });
-  run.true_errors = rendered.true_errors;
+  run.true_errors = ended->rendered.true_errors;
   run.diagnosis = diagnose(settings, prepared.packed, result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)
     prepared.warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
-  write_and_report(request, prepared, rendered, run, attempts);
-  attempts.finish();
-  check_result(request, prepared, result);
-  return exit_code(request, result);
+  Device& device = *prepared.device;
+  run.peak_bytes = device.memory_peak();
+  if (device.memory_displaced() > 0)
+    prepared.warnings.add(fmt::format("the device's memory is full: {:.1f} MiB lie elsewhere, which is much slower",
+                                      static_cast<double>(device.memory_displaced()) / 1048576.0));
+  device.pipeline_cache().save();
+  run.kernel_cache = device.pipeline_cache().describe();
+  ended->info = picture_info(request, prepared, ended->rendered, run);
+  if (!request.output.stats.empty() || request.output.json)
+    ended->attempts.attempt([&] { ended->document = stats_document(run); });
+  ended->warnings = prepared.warnings;
+  return ended;
+}
+
+void write(Unwritten& render) {
+  const Clock::time_point start = Clock::now();
+  OutputRequest& output = render.request.output;
+  write_pictures(output, render.info, render.rendered.result.picture, render.warnings, render.attempts);
+  Run& run = *render.run;
+  run.write_seconds = seconds_since(start);
+  run.total_seconds = seconds_since_process_start();
+  if (render.document.is_null()) return;
+  render.attempts.attempt([&] {
+    set_last_seconds(run, render.document);
+    render.text = to_text(render.document);
+  });
+  if (!output.stats.empty() && !render.text.empty())
+    render.attempts.attempt([&] { write_file(output.stats, render.text); });
+}
+
+int tell(Unwritten& render) {
+  const RenderResult& result = render.rendered.result;
+  report(*render.run, render.request.output, render.warnings, render.text, render.attempts);
+  render.attempts.finish();
+  check_result(render.request, render.run->device, render.settings, result);
+  return exit_code(render.request, result);
+}
+
+int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
+           const std::optional<Picture>& reference) {
+  const std::unique_ptr<Unwritten> ended = end_render(request, prepared, rendered, reference);
+  write(*ended);
+  const auto wait_for_viewer = [&] { // all else is done, so that it costs a second at most
+    if (prepared.viewer && !prepared.viewer->finish())
+      print_err("wavepath: warning: --tev: the viewer did not take the whole picture\n");
+  };
+  try {
+    const int code = tell(*ended);
+    wait_for_viewer();
+    return code;
+  } catch (...) {
+    wait_for_viewer();
+    throw;
+  }
 }
 
 } // namespace wavepath

@@ -193,7 +193,8 @@ TrueError measure_true_error(const Picture& picture, const Picture& reference) {
   return error;
 }
 
-void report(const Run& run, const OutputRequest& output, Warnings warnings, Attempts& attempts) {
+void report(const Run& run, const OutputRequest& output, Warnings warnings, const std::string& document,
+            Attempts& attempts) {
   const RenderResult& result = run.result;
   if (result.nonfinite.first)
     warnings.add("non-finite sample left out, " + describe_first(result.nonfinite, run.settings),
@@ -204,9 +205,6 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings, Atte
   if (last && !last->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");
   print_warnings(warnings);
 
-  std::string document;
-  attempts.attempt([&] { document = to_text(stats_document(run)); });
-  if (!output.stats.empty() && !document.empty()) attempts.attempt([&] { write_file(output.stats, document); });
   if (output.json && !document.empty())
     attempts.attempt([&] {
       write_out(document);

@@ -38,8 +38,9 @@ void write_pictures(OutputRequest& output, const PictureInfo& info, const Pictur
 // The pictures written, separated by commas, those that are tonemapped with their exposure.
 std::string written_text(const OutputRequest& output, const Picture& picture);
 
-// Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr, each whatever
-// becomes of the others.
-void report(const Run& run, const OutputRequest& output, Warnings warnings, Attempts& attempts);
+// Writes `document`, the text of the stats, to stdout as asked for, and warnings and a summary to stderr, each whatever
+// becomes of the others. Reads the scene of `run` only for --verbose.
+void report(const Run& run, const OutputRequest& output, Warnings warnings, const std::string& document,
+            Attempts& attempts);
 
 } // namespace wavepath

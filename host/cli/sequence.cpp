@@ -2,9 +2,13 @@
 #include "host/cli/sequence.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <exception>
 #include <filesystem>
+#include <future>
 #include <memory>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -125,6 +129,8 @@ private:
   void upload(const RenderCommandRequest& one);
   void plan(RenderCommandRequest& one, std::uint32_t frame);
   void keep_new_warnings();
+  void write_meanwhile(std::unique_ptr<Unwritten> ended);
+  void tell_written();
 
   const RenderCommandRequest& whole_;
   const std::vector<std::uint32_t>& frames_;
@@ -139,6 +145,12 @@ private:
   std::optional<PlanRecord> plan_;
   std::uint32_t planned_frame_ = 0; // that plan_ was made for
   Warnings told_;
+  // The frame whose files are written while the next one is rendered; null = none.
+  std::unique_ptr<Unwritten> unwritten_;
+  std::future<void> writing_;
+  std::exception_ptr failure_; // of a report while the next frame was rendered
+  std::size_t done_ = 0;       // frames whose files are there
+  int code_ = kExitDone;
 };
 
 // Loads the scene as frame 0 shows it. That decides what must not jump from frame to frame: framing, default light,
@@ -244,22 +256,51 @@ void Sequence::keep_new_warnings() {
   prepared_.warnings = fresh;
 }
 
+// Files appear in the order of the frames: there is one frame at a time that waits for its own.
+void Sequence::write_meanwhile(std::unique_ptr<Unwritten> ended) {
+  tell_written();
+  unwritten_ = std::move(ended);
+  try {
+    writing_ = std::async(std::launch::async, [this] { write(*unwritten_); });
+  } catch (const std::system_error&) { // no thread can be had
+    write(*unwritten_);
+  }
+}
+
+// Waits for the files, if any are being written, and reports them. Throws Error where they could not be.
+void Sequence::tell_written() {
+  if (!unwritten_) return;
+  if (writing_.valid()) writing_.get();
+  const std::unique_ptr<Unwritten> written = std::move(unwritten_);
+  progress_.clear();
+  code_ = std::max(code_, tell(*written));
+  ++done_;
+}
+
 int Sequence::run() {
   const Clock::time_point start = Clock::now();
   double render_seconds = 0.0;
-  int code = kExitDone;
-  std::size_t done = 0;
+  std::size_t begun = 0;
+  progress_.call_meanwhile([this] {
+    const bool ready = writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (ready) try {
+        tell_written();
+      } catch (...) { // ends the film, but not from within the render
+        failure_ = std::current_exception();
+      }
+  });
   for (const std::uint32_t frame : frames_) {
     RenderCommandRequest one = request_of(whole_, frame);
     one.progress = &progress_;
     const std::optional<Picture> reference = resolve(one);
-    if (done == 0) open(one);
+    if (begun == 0) open(one);
     prepare(one, frame);
-    if (done == 0) require_writers(one.output);
+    if (begun == 0) require_writers(one.output);
     plan(one, frame);
     if (interrupted()) break;
-    progress_.begin_frame({frame, done, frames_.size()});
+    progress_.begin_frame({frame, begun, frames_.size()});
     Rendered rendered = wavepath::run(one, prepared_, reference, {});
+    if (failure_) std::rethrow_exception(failure_);
     const StopReason stop = rendered.result.stop;
     if (stop == StopReason::interrupted) break;
     if (stop == StopReason::device_lost) // what it has would be taken for the frame
@@ -267,19 +308,25 @@ int Sequence::run() {
                        "run the same command to go on with that frame");
     render_seconds += rendered.result.seconds;
     keep_new_warnings();
-    code = std::max(code, finish(one, prepared_, rendered, reference));
-    ++done;
+    ++begun;
+    if (one.output.verbose || prepared_.viewer) { // which need the scene, or the picture at once
+      code_ = std::max(code_, finish(one, prepared_, rendered, reference));
+      ++done_;
+    } else {
+      write_meanwhile(end_render(one, prepared_, rendered, reference));
+    }
   }
+  tell_written();
   const std::size_t all = whole_.sequence.frames->count();
-  if (interrupted() && done < frames_.size()) {
+  if (interrupted() && done_ < frames_.size()) {
     if (!whole_.output.quiet)
-      print_err("wavepath: interrupted in frame {}; the same command goes on there\n", frames_[done]);
+      print_err("wavepath: interrupted in frame {}; the same command goes on there\n", frames_[done_]);
     return kExitInterrupted;
   }
   if (!whole_.output.quiet)
-    print_err("wavepath: {} frames in {}, {} of that rendering; {} were there\n", done,
+    print_err("wavepath: {} frames in {}, {} of that rendering; {} were there\n", done_,
               duration_text(seconds_since(start)), duration_text(render_seconds), all - frames_.size());
-  return code;
+  return code_;
 }
 
 } // namespace

@@ -322,6 +322,11 @@ std::string to_text(const Json& document) {
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+void set_last_seconds(const Run& run, Json& document) {
+  document["seconds"]["write"] = run.write_seconds;
+  document["seconds"]["total"] = run.total_seconds;
+}
+
 std::optional<double> estimated_error(const RenderResult& result) {
   return has_estimate(result.spp, result.error) ? std::optional(result.error.relative_rms) : std::nullopt;
 }

@@ -54,6 +54,9 @@ nlohmann::ordered_json bvh_json(const PackedScene& packed);
 
 nlohmann::ordered_json stats_document(const Run& run);
 
+// Replaces in a document the seconds that are known only once the pictures are written.
+void set_last_seconds(const Run& run, nlohmann::ordered_json& document);
+
 // Text of a document, indented. Bytes that are no UTF-8, as in file names, are replaced.
 std::string to_text(const nlohmann::ordered_json& document);
 
