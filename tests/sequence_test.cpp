@@ -191,6 +191,38 @@ TEST_F(Sequence, RefusesWhatCannotWork) {
   EXPECT_FALSE(exists("a.0.exr"));
 }
 
+// Files of a frame are written while the next one is rendered, one frame after the other.
+TEST_F(Sequence, FramesAppearAndAreToldInTheirOrder) {
+  const Outcome outcome = run(sliding("--frames 0:4 -o o#.exr -o o#.png --stats o#.json --json"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::size_t told = 0, document = 0;
+  for (int frame = 0; frame < 4; ++frame) {
+    const std::string name = fmt::format("o{}.exr, o{}.png", frame, frame);
+    told = outcome.err.find(name, told);
+    ASSERT_NE(told, std::string::npos) << name << " in " << outcome.err;
+    document = outcome.out.find(fmt::format("\"number\": {}", frame), document);
+    ASSERT_NE(document, std::string::npos) << frame << " in " << outcome.out;
+    EXPECT_GT(stats(fmt::format("o{}.json", frame))["seconds"]["write"], 0.0);
+    if (frame == 0) continue;
+    const auto written = [&](int number, const char* extension) {
+      return std::filesystem::last_write_time(path(fmt::format("o{}.{}", number, extension)));
+    };
+    EXPECT_LE(written(frame - 1, "json"), written(frame, "exr")) << frame;
+    EXPECT_LE(written(frame, "exr"), written(frame, "json")) << frame;
+  }
+  EXPECT_GT(outcome.err.find("4 frames in "), told);
+}
+
+// The frame in progress is dropped: what follows a frame that could not be written is not there.
+TEST_F(Sequence, AFrameThatCannotBeWrittenEndsTheFilm) {
+  std::filesystem::create_symlink("/dev/full", path("n1.png"));
+  const Outcome outcome = run(sliding("--frames 0:6 --overwrite -o n#.png"));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("wavepath: error: n1.png"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(exists("n0.png"));
+  for (const char* later : {"n2.png", "n3.png", "n5.png"}) EXPECT_FALSE(exists(later)) << later;
+}
+
 TEST_F(Sequence, AnInterruptLeavesWholeFrames) {
   const std::string film = fmt::format(
       "render {} --size 64x48 --spp 64 --max-depth 2 --animation slide --fps 4 --frames 0:4 -o i#.exr", lamps_);
