@@ -334,6 +334,15 @@ TEST(Info, TellsWhatASceneHolds) {
   EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
 }
 
+TEST(Usage, FlagsOfARenderAreRefusedByName) {
+  for (const char* flag : {"--frames", "--turntable", "--fps", "--layers", "--save-every"})
+    expect_error({"info", kBox, flag, "1"}, 2, std::string(flag) + ": is a flag of 'wavepath render'");
+  for (const char* flag : {"--turntable", "--fps", "--seed-per-frame"})
+    expect_error({"view", kBox, flag, "1"}, 2, std::string(flag) + ": is a flag of 'wavepath render'");
+  expect_error({"view", kBox, "--frames", "0:24"}, 2, "--frames: counts samples in a window");
+  expect_error({"view", kBox, "--layers", "nuke"}, 2, "--layers");
+}
+
 // K of a camera of the file and of a render, and flags that change it.
 TEST(Info, TellsCameras) {
   using Json = nlohmann::json;

@@ -253,6 +253,47 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
            [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemapNames)); });
 }
 
+void add_layout_flags(CLI::App& app, const char* group, WriteOptions& options, bool hides) {
+  add_switch(app, group, {"--half", "", "store 16-bit floats in EXR files", "off: 32-bit"}, options.half);
+  add_flag(app, group,
+           {"--layers", "plain|blender",
+            "names of the channels of EXR files. blender: those of Blender's passes, such as ViewLayer.Combined.R. "
+            "merge, compare, --reference and --plan read both",
+            "plain"},
+           [&options](const FlagValue& value) { options.layers = static_cast<LayerNames>(value.choice(kLayerNames)); });
+  add_flag(app, group,
+           {"--compression", "zip|zips|piz|dwaa|none",
+            "compression of EXR files. dwaa loses precision, and only of colours: normals, positions, other data and "
+            "the sums for 'wavepath merge' then stand in a second part of the file, by zip",
+            "zip", hides},
+           [&options](const FlagValue& value) {
+             options.compression = static_cast<Compression>(value.choice(kCompressionNames));
+           });
+  add_switch(app, group, {"--multi-part", "", "give each layer of EXR files a part of its own", "off: one part", hides},
+             options.multi_part);
+  add_flag(app, group, {"--bits", "8|16", "bits of each channel of .png outputs", "8", hides},
+           [&options](const FlagValue& value) {
+             constexpr std::string_view kBits[] = {"8", "16"};
+             options.bits = value.choice(kBits) == 0 ? 8 : 16;
+           });
+}
+
+std::string layout_flags(const WriteOptions& options, std::span<const std::string> pictures) {
+  std::string flags;
+  const auto has = [&](PictureFormat format) { return std::ranges::count(pictures, format, picture_format) > 0; };
+  if (has(PictureFormat::exr)) {
+    if (options.half) flags += " --half";
+    if (options.layers != LayerNames::plain)
+      flags += fmt::format(" --layers {}", kLayerNames[static_cast<std::size_t>(options.layers)]);
+    if (options.compression != Compression::zip)
+      flags += fmt::format(" --compression {}", kCompressionNames[static_cast<std::size_t>(options.compression)]);
+    if (options.multi_part) flags += " --multi-part";
+  } else if (has(PictureFormat::png) && options.bits != 8) {
+    flags += fmt::format(" --bits {}", options.bits);
+  }
+  return flags;
+}
+
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial, bool hides) {
   const char* group = "Output";
   add_flag(
@@ -261,28 +302,7 @@ void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char*
        initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
   WriteOptions& write = request.write;
-  add_switch(app, group, {"--half", "", "store 16-bit floats in EXR files", "off: 32-bit"}, write.half);
-  add_flag(app, group,
-           {"--layers", "plain|blender",
-            "names of the channels of EXR files. blender: those of Blender's passes, such as ViewLayer.Combined.R. "
-            "merge, compare, --reference and --plan read both",
-            "plain"},
-           [&write](const FlagValue& value) { write.layers = static_cast<LayerNames>(value.choice(kLayerNames)); });
-  add_flag(app, group,
-           {"--compression", "zip|zips|piz|dwaa|none",
-            "compression of EXR files. dwaa loses precision, and only of colours: normals, positions, other data and "
-            "the sums for 'wavepath merge' then stand in a second part of the file, by zip",
-            "zip", hides},
-           [&write](const FlagValue& value) {
-             write.compression = static_cast<Compression>(value.choice(kCompressionNames));
-           });
-  add_switch(app, group, {"--multi-part", "", "give each layer of EXR files a part of its own", "off: one part", hides},
-             write.multi_part);
-  add_flag(app, group, {"--bits", "8|16", "bits of each channel of .png outputs", "8", hides},
-           [&write](const FlagValue& value) {
-             constexpr std::string_view kBits[] = {"8", "16"};
-             write.bits = value.choice(kBits) == 0 ? 8 : 16;
-           });
+  add_layout_flags(app, group, write, hides);
   add_tone_flags(app, write);
 }
 

@@ -91,6 +91,11 @@ void add_output_flags(CLI::App& app, OutputRequest& request);
 // Adds the flags that name picture files and say how to write them. `initial`: the file that is written if none is
 // named, for the help. `hides`: only --help-all shows the rarer ones.
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial, bool hides);
+// Adds the flags that say how EXR files are laid out, and how many bits a PNG has. `hides`: as above.
+void add_layout_flags(CLI::App& app, const char* group, WriteOptions& options, bool hides);
+// The flags that give these options where all files that a command writes have one of these formats, each preceded by a
+// blank: those of EXR files if there is one, --bits where there are none but PNG.
+std::string layout_flags(const WriteOptions& options, std::span<const std::string> pictures);
 // Throws UsageError for options that no named file could show.
 void check_write_options(const OutputRequest& request);
 void add_tone_flags(CLI::App& app, WriteOptions& options);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/base/shell_quote.h"
+#include "host/cli/render_flags.h"
 #include "host/cli/resolve.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/workspace/light_training.h"
@@ -33,7 +34,7 @@ std::string repeat_command(const RenderCommandRequest& request, const Prepared& 
     command += fmt::format(" --device {}", shell_quoted(request.render.device));
   if (!request.render.devices.empty()) command += fmt::format(" --devices {}", shell_quoted(request.render.devices));
   if (request.render.mergeable) command += " --mergeable";
-  return command;
+  return command + layout_flags(request.output.write, request.output.pictures);
 }
 
 } // namespace wavepath

@@ -38,6 +38,8 @@ std::vector<std::string> flag_names(const CLI::App& app) {
   return names;
 }
 
+bool is_flag_of(const CLI::App& app, const std::string& name) { return std::ranges::count(flag_names(app), name) > 0; }
+
 // Throws UsageError for unknown flags and commands, with the nearest known name.
 void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
   const CLI::App& command = chosen ? *chosen : app;
@@ -50,6 +52,8 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
     if (word.size() < 2 || word[0] != '-' || word == "--") continue;
     const std::string name = word.substr(0, word.find('='));
     const std::vector<std::string> flags = flag_names(command);
+    if (const CLI::App* render = app.get_subcommand("render"); chosen && is_flag_of(*render, name))
+      throw UsageError(name, "is a flag of 'wavepath render', not of '" + title + "'", "leave it out; " + help);
     throw UsageError(name, "no such flag of '" + title + "'",
                      nearest_name(name, flags).empty() ? help : suggestion(name, flags));
   }

@@ -175,7 +175,8 @@ private:
     if (trains_light_selection(packed_, settings))
       flags += fmt::format(" --training-paths {}", settings.training.paths);
     if (!request_.render.device.empty()) flags += fmt::format(" --device {}", shell_quoted(request_.render.device));
-    return flags;
+    static const std::string kWritten[] = {"picture.exr"}; // the usual output of render
+    return flags + layout_flags(request_.tone, kWritten);
   }
 
   // The parts of the result that list_bias() reads.
@@ -201,7 +202,10 @@ private:
     info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far()), "; "));
     info.view = progressive_->view();
     const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
-    write_picture(path, picture, info, {.exposure = exposure, .tonemap = display.tonemap});
+    WriteOptions options = request_.tone;
+    options.exposure = exposure;
+    options.tonemap = display.tonemap;
+    write_picture(path, picture, info, options);
   }
 
   void set_environment(const EnvironmentChoice& choice) {
@@ -299,7 +303,12 @@ void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
       {"--against", "NAME", "shadow technique for the comparison by --split and --show shadow-error", "traced"},
       [&](const FlagValue& value) { request.comparison.against = value.choice(choices_of(setting_named("shadows"))); });
   add_flag(app, group, {"--frames", "N", "samples per pixel at which the window closes", "none: it stays open"},
-           [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });
+           [&](const FlagValue& value) {
+             if (value.text.find(':') != std::string::npos)
+               throw UsageError("--frames", "counts samples in a window, which shows one moment of an animation",
+                                "give --at SECONDS, or render the film by wavepath render");
+             request.frames = value.whole_number(1, kMostFrames);
+           });
   add_flag(app, group,
            {"--screenshot", "FILE",
             "picture to write at the end of --frames. .exr and .hdr are linear, .png and .jpg are tonemapped", "none"},
@@ -313,6 +322,7 @@ Command add_view(CLI::App& app, const std::string& command_line) {
   const auto request = std::make_shared<ViewCommandRequest>();
   request->command_line = command_line;
   add_window_flags(*command, *request);
+  add_layout_flags(*command, "Window", request->tone, true);
   add_tone_flags(*command, request->tone);
   add_scene_flags(*command, request->scene, true);
   add_shutter_flag(*command, request->scene);
