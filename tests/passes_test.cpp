@@ -63,11 +63,12 @@ protected:
     SceneOnDevice shared;
     Picture picture{settings.width, settings.height, {}};
     EXPECT_TRUE(add_passes(
-        device(), packed_, view, settings, shared_kernels(device()), shared, [] { return true; }, picture));
+        device(), packed_, view, settings, motion_, shared_kernels(device()), shared, [] { return true; }, picture));
     return picture;
   }
 
   PackedScene packed_;
+  MotionPictures motion_;
 };
 
 // Seen from above, over nothing: a tilted square; two that share a mesh, one of them mirrored; one without a name.

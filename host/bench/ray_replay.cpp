@@ -6,8 +6,8 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/warm_up.h"
-#include "host/integrators/path/path_replay.h"
 #include "host/render/settings/traversal.h"
+#include "host/scene/pack/hit_surface.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/base/wave.h"
 #include "kernels/path/path_types.h"

@@ -16,7 +16,9 @@ namespace wavepath {
 namespace {
 
 int run_render(RenderCommandRequest& request) {
-  check_sequence(request.sequence, request.scene.load.animation);
+  const std::string& animation = request.scene.load.animation;
+  check_sequence(request.sequence, animation);
+  check_motion(request.motion, request.render.settings, animation, request.sequence.frames.has_value());
   if (request.sequence.frames) return render_sequence(request);
   const std::optional<Picture> reference = resolve(request);
   Prepared prepared = prepare(request);
@@ -38,6 +40,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_scene_flags(*command, request->scene, true);
   add_shutter_flag(*command, request->scene);
   add_sequence_flags(*command, request->sequence);
+  add_motion_flags(*command, request->motion);
   add_view_flags(*command, request->scene.view);
   add_picture_flags(*command, kByRender, request->render);
   add_stop_flags(*command, request->render);

@@ -117,7 +117,7 @@ void add_passes_if_asked(const RenderCommandRequest& request, Prepared& prepared
   const bool goes_on = interrupted() || request.frame.has_value();
   why_not_measured(prepared, "passes of --aov were", [&] {
     if (!add_passes(
-            *on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device,
+            *on.device, prepared.packed, prepared.view, settings, prepared.motion, *on.kernels, on_device,
             [=] { return goes_on || !interrupted(); }, result.picture))
       prepared.warnings.add("interrupted before all passes of --aov were found");
   });

@@ -56,7 +56,10 @@ bool is_told(const RenderCommandRequest& request, const Decision& decision) {
 Prepared prepare(const RenderCommandRequest& request) {
   const Clock::time_point start = Clock::now();
   LoadedScene loaded; // which is freed here: rendering needs the packed one
-  Prepared prepared = open(request, loaded, false);
+  const bool poses_others = request.motion.next.at || request.motion.previous.at;
+  Prepared prepared = open(request, loaded, poses_others);
+  pose_others(request, loaded, prepared);
+  loaded.file.reset();
   pack_scene(request, loaded, prepared);
   prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
   return prepared;
@@ -79,6 +82,32 @@ Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool sta
   return prepared;
 }
 
+bool pose_others(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared) {
+  const RenderPlan& settings = request.render.settings;
+  MotionPictures& pictures = prepared.motion = {};
+  bool is_still = true, poses = false;
+  const auto add = [&](const OtherMoment& other, std::optional<OtherPicture>& picture) {
+    if (!other.given()) return;
+    picture.emplace();
+    if (other.at) {
+      SceneRequest there = request.scene;
+      there.load.at = *other.at;
+      there.load.shutter.reset();
+      is_still &= pose_again(there, loaded);
+      poses = true;
+      picture->pose = pose_of(loaded.scene);
+    }
+    picture->view = resolve_view(loaded.scene, loaded.framing, other_view(request.scene.view, other), settings.width,
+                                 settings.height);
+  };
+  add(request.motion.next, pictures.next);
+  if (poses && !request.motion.previous.at) is_still &= pose_again(request.scene, loaded), poses = false;
+  add(request.motion.previous, pictures.previous);
+  if (poses) is_still &= pose_again(request.scene, loaded);
+  if (request.motion.next.at || request.motion.previous.at) set_pose_here(loaded.scene, pictures);
+  return is_still;
+}
+
 void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared, PackMemory* memory) {
   const RenderPlan& settings = request.render.settings;
   const DeviceInfo& device = prepared.device->info();
@@ -92,6 +121,7 @@ void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepar
                   .near = {view.position},
                   .lights = settings.lights,
                   .mips = wants_mips(settings),
+                  .sources = !prepared.motion.here.instances.empty(),
                   .samplers = sampler_limits(settings, device)};
   for (const OtherDevice& other : prepared.others)
     packing.samplers = common_limits(packing.samplers, other.device->info());

@@ -9,6 +9,7 @@
 #include "host/base/warnings.h"
 #include "host/cli/render_request.h"
 #include "host/gpu/device.h"
+#include "host/passes/motion.h"
 #include "host/picture/tev.h"
 #include "host/plan/memory.h"
 #include "host/plan/plan.h"
@@ -31,6 +32,7 @@ struct Prepared {
   std::vector<OtherDevice> others;
   std::unique_ptr<TevViewer> viewer; // of --tev; null without
   View view;
+  MotionPictures motion;
   std::optional<MemoryCheck> memory;
   PackedScene packed;
   SceneOnDevice on_device; // the scene as uploaded to `device`, shared by pilots and render
@@ -43,6 +45,11 @@ struct Prepared {
 
 // Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
 Prepared prepare(const RenderCommandRequest& request);
+
+// Notes in `prepared` what --aov motion and motion_back are told to. Poses the scene at other moments for that, and then
+// again at the one of the request. `loaded` stays open if they are other moments. Returns whether every vertex is where
+// it was.
+bool pose_others(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared);
 
 // The two halves of prepare(), for scenes that are packed in several poses. `stays_open`: as load_scene() takes it.
 // `memory`: as pack_again() takes it; null = the scene is packed once.

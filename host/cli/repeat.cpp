@@ -25,7 +25,7 @@ std::string repeat_command(const RenderCommandRequest& request, const Prepared& 
                                     prepared.packed.origin.x, prepared.packed.origin.y, prepared.packed.origin.z);
   // Channels, which flags_of() leaves out: that of the variance splits the samples of every pixel, so that bits differ.
   if (const std::string channels = flag_text(setting_named("aov"), settings); !channels.empty())
-    command += " " + channels;
+    command += " " + channels + flags_of(request.motion);
   if (stands_alone(request.render) && (settings.guide || trains_light_selection(prepared.packed, settings)))
     command += fmt::format(" --training-paths {}", settings.training.paths);
   if (stands_alone(request.render) && settings.guide)

@@ -28,6 +28,7 @@
 #include "host/cli/resume.h"
 #include "host/plan/record.h"
 #include "host/render/pilot_work.h"
+#include "host/render/settings/pass_names.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/workspace/device_scene.h"
 #include "host/scene/bounds.h"
@@ -126,6 +127,9 @@ public:
 private:
   void open(const RenderCommandRequest& first);
   void prepare(RenderCommandRequest& one, std::uint32_t frame);
+  bool pose(RenderCommandRequest& one, std::uint32_t frame);
+  bool pose_moment(const SceneRequest& request);
+  ViewRequest turned_view(double frame) const;
   void upload(const RenderCommandRequest& one);
   void plan(RenderCommandRequest& one, std::uint32_t frame);
   void keep_new_warnings();
@@ -180,19 +184,54 @@ void Sequence::open(const RenderCommandRequest& first) {
   origin_ = whole_.render.origin.value_or(inside ? view.position : centre_);
 }
 
+// Returns true if every vertex is where it was.
+bool Sequence::pose_moment(const SceneRequest& request) {
+  const bool is_still = is_same_moment(posed_, request.load) || pose_again(request, loaded_);
+  posed_ = request.load;
+  return is_still;
+}
+
+// Camera of a frame, at whose moment the scene stands.
+ViewRequest Sequence::turned_view(double frame) const {
+  if (!whole_.sequence.turntable) return whole_.scene.view;
+  const RenderPlan& settings = whole_.render.settings;
+  const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
+  return turned(whole_.scene.view, view, centre_, turned_by(whole_.sequence, frame));
+}
+
+// Poses the scene at the frame's moment. The frames beside it become the other pictures of motion passes; those before
+// the first and after the last one exist as well, for an animation that is held there. Returns true if every vertex is
+// where it was.
+bool Sequence::pose(RenderCommandRequest& one, std::uint32_t frame) {
+  const LoadOptions& load = one.scene.load;
+  bool is_still = true;
+  const auto find = [&](std::string_view pass, double step, OtherMoment& other) {
+    if (std::ranges::count(one.render.settings.aovs, pass) == 0) return;
+    if (!load.animation.empty()) {
+      SceneRequest there = one.scene;
+      there.load.at = (load.shutter ? load.shutter->first : load.at) + seconds_of(whole_.sequence, step);
+      there.load.shutter.reset();
+      other.at = there.load.at;
+      if (whole_.sequence.turntable) is_still &= pose_moment(there);
+    }
+    if (!whole_.sequence.turntable) return;
+    const ViewRequest view = turned_view(frame + step);
+    other.camera = OtherCamera{.eye = *view.eye, .look_at = *view.look_at, .up = view.up};
+  };
+  find(kMotionPass, 1.0, one.motion.next);
+  find(kMotionBackPass, -1.0, one.motion.previous);
+  is_still &= pose_moment(one.scene);
+  one.scene.view = turned_view(frame);
+  return is_still & pose_others(one, loaded_, prepared_);
+}
+
 // Poses and packs the scene, and brings it onto the device. `one` becomes the whole command of the frame.
 void Sequence::prepare(RenderCommandRequest& one, std::uint32_t frame) {
   const Clock::time_point start = Clock::now();
-  const RenderPlan& settings = one.render.settings;
   if (staged_at_ && *staged_at_ != one.scene.load.at) one.scene.staged_at = staged_at_;
   if (one.scene.load.shutter) one.scene.staged_at = staged_at_;
   one.render.origin = origin_;
-  memory_.is_still = is_same_moment(posed_, one.scene.load) || pose_again(one.scene, loaded_);
-  posed_ = one.scene.load;
-  if (whole_.sequence.turntable) {
-    const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
-    one.scene.view = turned(whole_.scene.view, view, centre_, turned_by(whole_.sequence, frame));
-  }
+  memory_.is_still = pose(one, frame);
   const double pose_seconds = seconds_since(start);
   memory_.packed = std::move(prepared_.packed);
   pack_scene(one, loaded_, prepared_, &memory_);

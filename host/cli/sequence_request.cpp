@@ -106,11 +106,11 @@ void check_sequence(const SequenceRequest& request, const std::string& animation
     throw UsageError("--fps", "means nothing without an animation", "add --animation, or leave it out");
 }
 
-double seconds_of(const SequenceRequest& request, std::uint32_t frame) {
+double seconds_of(const SequenceRequest& request, double frame) {
   return frame / request.fps.value_or(kUsualFps);
 }
 
-double turned_by(const SequenceRequest& request, std::uint32_t frame) {
+double turned_by(const SequenceRequest& request, double frame) {
   return request.turntable ? *request.turntable * frame / request.frames->end : 0.0;
 }
 

@@ -36,10 +36,10 @@ void add_sequence_flags(CLI::App& app, SequenceRequest& request);
 void check_sequence(const SequenceRequest& request, const std::string& animation);
 
 // Seconds from the first frame, number 0.
-double seconds_of(const SequenceRequest& request, std::uint32_t frame);
+double seconds_of(const SequenceRequest& request, double frame);
 
 // Degrees by which the camera has gone about the scene; 0 without a turntable.
-double turned_by(const SequenceRequest& request, std::uint32_t frame);
+double turned_by(const SequenceRequest& request, double frame);
 
 // Seed of a frame of a sequence with this --seed; no two frames have the same. Below 2^31, as --seed.
 std::uint32_t seed_of(const SequenceRequest& request, std::uint32_t seed, std::uint32_t frame);

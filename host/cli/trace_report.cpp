@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/render/workspace/nonfinite.h"
+#include "host/scene/pack/hit_surface.h"
 
 namespace wavepath {
 namespace {

@@ -56,12 +56,13 @@ std::vector<std::uint32_t> shown_nodes(const PackedScene& scene) {
 }
 
 // What one pixel shows at its centre, as values of the channels of a pass. `value(hit, component)`; nothing was hit:
-// `nothing`.
+// `nothing`, unless the pass has a value there as well.
 struct CentrePass {
   std::string_view name;
   std::vector<std::string> channels;
   float nothing = 0.0f;
   std::function<double(const FirstHit&, int)> value;
+  bool of_background = false;
 };
 
 // On the side that the ray came from.
@@ -91,6 +92,29 @@ std::vector<CentrePass> centre_passes(const PackedScene& scene) {
       {"uv", {"uv.X", "uv.Y"}, 0.0f, [&](const FirstHit& f, int c) { return texture_coordinates(scene, f.hit)[c]; }}};
 }
 
+// Names of their channels, and what finds their values, which is called where `pictures` has that picture alone.
+std::vector<CentrePass> motion_passes(const PackedScene& scene, const View& view, const glm::uvec2& size,
+                                      const MotionPictures& pictures) {
+  const auto to = [&scene, &view, &pictures, size](const std::optional<OtherPicture>& other) {
+    return [&scene, &view, &pictures, size, &other](const FirstHit& f, int c) {
+      return motion_to(*other, pictures, scene, view, size, f)[c];
+    };
+  };
+  return {{kMotionPass, {"motion.X", "motion.Y"}, 0.0f, to(pictures.next), true},
+          {kMotionBackPass, {"motionBack.X", "motionBack.Y"}, 0.0f, to(pictures.previous), true}};
+}
+
+// Names of what passes through the centres.
+std::vector<std::string> channels_of_centres() {
+  std::vector<std::string> names;
+  const PackedScene none;
+  const View view;
+  const MotionPictures pictures;
+  for (const auto& passes : {centre_passes(none), motion_passes(none, view, {}, pictures)})
+    for (const CentrePass& pass : passes) names.insert(names.end(), pass.channels.begin(), pass.channels.end());
+  return names;
+}
+
 bool needs_surface(std::string_view pass) { return pass == "depth0" || pass == "normal0" || pass == "position0"; }
 
 // What the passes are made from and with.
@@ -99,6 +123,7 @@ struct PassTracer {
   const PackedScene& scene;
   const View& view;
   const RenderPlan& settings;
+  const MotionPictures& motion;
   KernelCompiler& kernels;
   SceneOnDevice& shared;
   const std::function<bool()>& progress;
@@ -111,6 +136,9 @@ struct PassTracer {
 
 bool add_centre_passes(const PassTracer& tracer, Picture& picture) {
   std::vector<CentrePass> passes = centre_passes(tracer.scene);
+  std::ranges::move(
+      motion_passes(tracer.scene, tracer.view, {tracer.settings.width, tracer.settings.height}, tracer.motion),
+      std::back_inserter(passes));
   std::erase_if(passes, [&](const CentrePass& pass) { return !wants(tracer.settings, pass.name); });
   if (passes.empty()) return true;
   std::vector<Channel> channels;
@@ -126,7 +154,8 @@ bool add_centre_passes(const PassTracer& tracer, Picture& picture) {
         for (const CentrePass& pass : passes)
           for (int c = 0; c < static_cast<int>(pass.channels.size()); ++c)
             channels[channel++].values[found.pixel] =
-                found.hit.triangle == gpu::kNone ? pass.nothing : static_cast<float>(pass.value(found, c));
+                found.hit.triangle == gpu::kNone && !pass.of_background
+                    ? pass.nothing : static_cast<float>(pass.value(found, c));
       });
   std::ranges::move(channels, std::back_inserter(picture.channels));
   return whole;
@@ -155,9 +184,9 @@ bool add_coverages(const PassTracer& tracer, Picture& picture) {
 } // namespace
 
 bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
-                KernelCompiler& kernels, SceneOnDevice& shared, const std::function<bool()>& progress,
-                Picture& picture) {
-  const PassTracer tracer{device, scene, view, settings, kernels, shared, progress};
+                const MotionPictures& motion, KernelCompiler& kernels, SceneOnDevice& shared,
+                const std::function<bool()>& progress, Picture& picture) {
+  const PassTracer tracer{device, scene, view, settings, motion, kernels, shared, progress};
   bool whole = add_centre_passes(tracer, picture);
   if (wants(settings, "node")) {
     std::vector<std::uint32_t> nodes = shown_nodes(scene);
@@ -176,17 +205,13 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
 
 bool has_passes(const Picture& picture) {
   const auto is_known = [&](const std::string& channel) { return find_channel(picture, channel) != nullptr; };
-  const PackedScene none;
-  return std::ranges::any_of(centre_passes(none), [&](const CentrePass& pass) { return is_known(pass.channels[0]); }) ||
-         has_cryptomatte(picture, kObjects);
+  return std::ranges::any_of(channels_of_centres(), is_known) || has_cryptomatte(picture, kObjects);
 }
 
 void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples) {
-  const PackedScene none;
-  for (const CentrePass& pass : centre_passes(none))
-    for (const std::string& channel : pass.channels)
-      if (const Channel* known = find_channel(parts.front(), channel); known && !find_channel(picture, channel))
-        picture.channels.push_back(*known);
+  for (const std::string& channel : channels_of_centres())
+    if (const Channel* known = find_channel(parts.front(), channel); known && !find_channel(picture, channel))
+      picture.channels.push_back(*known);
   for (const char* layer : {kObjects, kMaterials})
     if (std::ranges::all_of(parts, [&](const Picture& part) { return has_cryptomatte(part, layer); }))
       join_cryptomatte(picture, layer, parts, samples);

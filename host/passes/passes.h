@@ -9,12 +9,15 @@
 //     position0     P0.X P0.Y P0.Z                  through the centres
 //     geometric     Ng.X Ng.Y Ng.Z                  through the centres
 //     uv            uv.X uv.Y                       through the centres
+//     motion        motion.X motion.Y               through the centres
+//     motion_back   motionBack.X motionBack.Y       through the centres
 //     cryptomatte   CryptoObject*, CryptoMaterial*  of all samples                  cryptomatte/*
 #pragma once
 
 #include <functional>
 #include <vector>
 
+#include "host/passes/motion.h"
 #include "host/picture/picture.h"
 #include "host/render/render.h"
 #include "host/scene/staging/view.h"
@@ -22,11 +25,11 @@
 namespace wavepath {
 
 // Appends the passes among settings.aovs to `picture`, which has settings.width x settings.height pixels. Coverages are
-// those of samples settings.first_sample <= s < last_sample. `progress`: false leaves out what is not yet found;
+// those of samples settings.first_sample <= s < last_sample. `motion`: what motion is told between. `progress`: false leaves out what is not yet found;
 // returns whether all was. Throws Error if the device fails.
 bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
-                KernelCompiler& kernels, SceneOnDevice& shared, const std::function<bool()>& progress,
-                Picture& picture);
+                const MotionPictures& motion, KernelCompiler& kernels, SceneOnDevice& shared,
+                const std::function<bool()>& progress, Picture& picture);
 
 // True if a picture holds any pass.
 bool has_passes(const Picture& picture);

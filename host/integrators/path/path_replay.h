@@ -65,7 +65,4 @@ private:
   gpu::Wave wave_{};
 };
 
-// Position of a hit, in the device's world space. The hit must not be a miss.
-glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit);
-
 } // namespace wavepath

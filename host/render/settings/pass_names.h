@@ -7,8 +7,12 @@
 
 namespace wavepath {
 
-inline constexpr std::array<std::string_view, 8> kPassNames = {"node",    "material",  "cryptomatte", "depth0",
-                                                               "normal0", "position0", "geometric",   "uv"};
+// Where the surface at the pixel's centre goes until the next picture, and was in the previous one.
+inline constexpr std::string_view kMotionPass = "motion", kMotionBackPass = "motion_back";
+
+inline constexpr std::array<std::string_view, 10> kPassNames = {
+    "node", "material", "cryptomatte", "depth0", "normal0", "position0", "geometric", "uv", kMotionPass,
+    kMotionBackPass};
 
 inline bool is_pass(std::string_view aov) { return std::ranges::count(kPassNames, aov) > 0; }
 

@@ -239,7 +239,7 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
 }
 
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
-                     bool with_vertices, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
+                     bool with_vertices, bool with_sources, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
                      std::size_t number, PackedScene& packed) {
   const ObjectSource whole_object{scene, parts, cut};
   std::vector<TriangleSource> sources = list_sources(whole_object);
@@ -291,6 +291,7 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
 
   packed.triangles.resize(first + tree.order.size());
   if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
+  if (with_sources) packed.sources.resize(first + tree.order.size());
   if (moving) packed.motions.resize(first + tree.order.size());
   tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
     const std::uint32_t t = tree.order[i];
@@ -305,6 +306,7 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
     if (moving)
       packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
                                    c.end[2] - c.position[2], 0u};
+    if (with_sources) packed.sources[first + i] = {part.mesh, source.first_index};
     if (with_vertices)
       packed.triangle_vertices[first + i] = {c.vertex[0], c.vertex[1], c.vertex[2],
                                              source.piece == kNoIndex ? 0u : ids_of_pieces.source[index]};

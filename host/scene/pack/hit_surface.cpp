@@ -30,6 +30,16 @@ glm::dvec3 geometric_normal(const PackedScene& scene, const gpu::Hit& hit) {
   return glm::normalize(normal);
 }
 
+glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit) {
+  const gpu::Triangle& t = scene.triangles[hit.triangle];
+  const double b1 = hit.b1, b2 = hit.b2;
+  const glm::dvec3 p = (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2);
+  if (!scene.root_is_top) return p;
+  const auto& rows = scene.instances[hit.instance].world_from_object;
+  const glm::dvec4 q(p, 1.0);
+  return {glm::dot(glm::dvec4(rows[0]), q), glm::dot(glm::dvec4(rows[1]), q), glm::dot(glm::dvec4(rows[2]), q)};
+}
+
 glm::dvec2 texture_coordinates(const PackedScene& scene, const gpu::Hit& hit) {
   if (scene.vertex_uvs.empty()) return {};
   const glm::uvec4 vertex = scene.triangle_vertices[hit.triangle];

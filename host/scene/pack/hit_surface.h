@@ -20,6 +20,9 @@ std::uint32_t material_of(const PackedScene& scene, const gpu::Hit& hit);
 // Not a number where single precision has left the triangle no area. `hit` is none of nothing.
 glm::dvec3 geometric_normal(const PackedScene& scene, const gpu::Hit& hit);
 
+// Position in the device's world space, where the shutter opens. `hit` is none of nothing.
+glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit);
+
 // TEXCOORD_0; zero where no texture of the scene reads coordinates, which are not packed then. `hit` is none of
 // nothing.
 glm::dvec2 texture_coordinates(const PackedScene& scene, const gpu::Hit& hit);

@@ -70,6 +70,7 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     instance.id = static_cast<std::uint32_t>(instances.size());
     instances.push_back(instance);
     packed.instance_nodes.push_back(placement.node);
+    packed.instance_sources.push_back(placement.source);
     if (placement.object == 0) packed.once_instance = instance.id;
     object_of.push_back(placement.object);
     boxes.push_back(box);

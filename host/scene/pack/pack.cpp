@@ -28,6 +28,7 @@ struct Layout {
   AlphaCoverage alpha;
   std::vector<std::uint32_t> material_index; // by scene material
   bool with_vertices = false;                // triangles refer to vertex streams
+  bool with_sources = false;                 // see Packing
   bvh::Quality quality = bvh::Quality::fast;
   std::vector<glm::dvec3> near; // see Packing, world space
   std::vector<CutVertex> cut_vertices;
@@ -62,7 +63,7 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
     packed.triangle_vertices.resize(packed.triangles.size(), glm::uvec4(0));
   }
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
-  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, times, layout.quality,
+  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, layout.with_sources, times, layout.quality,
                        layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
 }
 
@@ -146,6 +147,8 @@ void take_geometry(PackMemory& memory, PackedScene& packed) {
   packed.node_runs = std::move(before.node_runs);
   packed.instance_nodes = std::move(before.instance_nodes);
   packed.once_instance = before.once_instance;
+  packed.sources = std::move(before.sources);
+  packed.instance_sources = std::move(before.instance_sources);
   packed.draws = std::move(before.draws);
   packed.triangle_vertices = std::move(before.triangle_vertices);
   packed.vertex_normals = std::move(before.vertex_normals);
@@ -181,11 +184,13 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const gl
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
     objects.push_back(pack_parts(scene, layout, parts, near, layout.usage.mesh_instances[m], packed));
   }
-  for (const Instance& instance : scene.instances)
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
     if (object_of_mesh[instance.mesh] != kNoIndex)
       placements.push_back({object_of_mesh[instance.mesh],
                             glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh]),
-                            instance.node});
+                            instance.node, i});
+  }
 
   std::size_t skipped = 0;
   std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
@@ -289,6 +294,7 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   place_origin(scene, packing.eye, packed);
   Layout layout(scene);
   layout.quality = packing.quality;
+  layout.with_sources = packing.sources;
   layout.near = packing.near;
   layout.memory = memory;
   before.kept = {};

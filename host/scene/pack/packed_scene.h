@@ -34,6 +34,11 @@ struct NodeRun {
   std::uint32_t first_id = 0, node = 0;
 };
 
+// A triangle of the scene: its corners are at `first_index` and the two after it in the mesh's index list.
+struct SourceTriangle {
+  std::uint32_t mesh = 0, first_index = 0;
+};
+
 // Triangles of MASK and BLEND surfaces whose images let rays through somewhere; copies and instances do not count.
 struct AlphaCounts {
   // Triangles that rays must look up; opaque ones and holes, which they need not.
@@ -85,6 +90,10 @@ struct PackedScene {
   std::vector<NodeRun> node_runs;
   std::vector<std::uint32_t> instance_nodes;
   std::uint32_t once_instance = kNoIndex; // Instance::id of the meshes that are shown once
+  // By triangle, if Packing::sources asks; and by gpu::Instance::id its index in Scene::instances, kNoIndex for
+  // once_instance.
+  std::vector<SourceTriangle> sources;
+  std::vector<std::uint32_t> instance_sources;
   std::vector<std::string> node_names;    // by node of the file; empty where it has no name
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels; // texels that kernels look up themselves

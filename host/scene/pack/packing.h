@@ -23,6 +23,7 @@ struct Packing {
   std::vector<glm::dvec3> near{};
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
   bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
+  bool sources = false; // PackedScene::sources are listed, for passes that follow surfaces to another pose
   // The device's samplers look up textures, within these limits.
   std::optional<SamplerLimits> samplers{};
 };

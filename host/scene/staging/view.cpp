@@ -209,6 +209,35 @@ std::optional<glm::dvec2> angles_of(const View& view) {
   return glm::atan(half * (1.0 + view.shift)) + glm::atan(half * (1.0 - view.shift));
 }
 
+bool project(const View& view, const glm::dvec4& point, int eye, glm::dvec2& position) {
+  const double half_width = glm::length(view.right), half_height = glm::length(view.up);
+  const glm::dvec3 right = view.right / half_width, up = view.up / half_height;
+  const double aside = 0.5 * view.eye_distance * eye;
+  glm::dvec3 offset = glm::dvec3(point) - point.w * view.position;
+  if (view.panorama != Panorama::sphere) offset -= point.w * aside * right;
+  const double across = glm::dot(offset, right), above = glm::dot(offset, up), ahead = glm::dot(offset, view.forward);
+  const glm::dvec2 half(half_width, half_height);
+  position = glm::dvec2(0.0);
+  if (view.panorama == Panorama::fisheye) {
+    const double sine = std::hypot(across, above), angle = std::atan2(sine, ahead);
+    if (sine > 0.0) position = angle / sine * glm::dvec2(across, above) / half;
+    position -= view.shift;
+    return sine > 0.0 || ahead > 0.0;
+  }
+  if (view.panorama == Panorama::sphere) {
+    const double reach = std::sqrt(across * across + ahead * ahead - point.w * aside * aside);
+    if (!(reach >= 0.0)) return false; // within the circle that the rays touch
+    const double turned = point.w * aside != 0.0 ? std::atan2(aside, reach) : 0.0;
+    position = glm::dvec2(std::atan2(across, ahead) - turned, std::atan2(above, reach)) / half;
+    if (position.x < -1.0) position.x += 2.0;
+    return true;
+  }
+  if (view.orthographic && point.w == 0.0) // the one direction that it looks in, which all of the picture shows
+    return ahead > 0.0 && std::hypot(across, above) < 1e-9 * ahead;
+  position = glm::dvec2(across, above) / half / (view.orthographic ? 1.0 : ahead) - view.shift;
+  return ahead > 0.0;
+}
+
 bool is_framed(const Scene& scene, const ViewRequest& request) {
   return scene.cameras.empty() && request.camera.empty();
 }

@@ -53,6 +53,12 @@ bool is_rasterizable(const View& view);
 // the camera sees nothing.
 bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction);
 
+// Where that camera shows a point: in [-1,1] of the picture if it is not outside of it, y upwards. `point`: in world
+// space, with w = 1; w = 0 for one at infinity, in this direction. `eye`: -1 left, 1 right, each with a picture of its
+// own; 0 = the only one. False where it shows the point nowhere: behind a perspective or orthographic camera, within
+// the circle of a sphere's eyes. Clip planes cut nothing here.
+bool project(const View& view, const glm::dvec4& point, int eye, glm::dvec2& position);
+
 // Whether the left eye's picture stands above the right one's, not to the left of it.
 bool stacks_eyes(Panorama panorama);
 
