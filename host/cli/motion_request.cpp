@@ -32,6 +32,7 @@ OtherCamera read_camera(const FlagValue& value) {
                                               "write EYE and LOOK-AT as X,Y,Z,X,Y,Z, or name a camera of the file");
   other.eye = {n[0], n[1], n[2]};
   other.look_at = {n[3], n[4], n[5]};
+  if (other.eye == other.look_at) value.refuse("looks at where it stands", "give another target");
   if (commas == 8) other.up = {n[6], n[7], n[8]};
   return other;
 }

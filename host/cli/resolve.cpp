@@ -155,6 +155,10 @@ void check_integrator(const RenderRequest& request) {
     if (const std::string supported_by = aov_supporters_text(aov);
         !supported_by.empty() && std::ranges::count(kind.aovs, aov) == 0)
       refuse_unsupported("--aov " + aov, settings, supported_by);
+  const auto is_followed = [](const std::string& aov) { return aov == "albedo" || aov == "normal"; };
+  if (settings.aov_through && std::ranges::none_of(settings.aovs, is_followed) && !denoises_film(settings))
+    throw UsageError("--aov-through", "means nothing without the channels albedo and normal",
+                     "add --aov albedo,normal or --denoise, or leave it out");
   for (const std::string_view aov : kind.lacks_aovs)
     if (std::ranges::count(settings.aovs, aov) > 0)
       throw UsageError(fmt::format("--aov {}", aov),

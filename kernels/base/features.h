@@ -83,6 +83,8 @@ GPU_CONSTANT Feature kFeatureLearnedSky = GPU_LOBE(15);
 GPU_CONSTANT Feature kFeatureWalls = GPU_LOBE(16);
 // The camera is more than a pinhole or parallel rays about the picture's middle (camera_model.glsl).
 GPU_CONSTANT Feature kFeatureCameraModel = GPU_LOBE(17);
+// Albedo and normal are those of what mirrors and smooth glass show (aovs_through.glsl).
+GPU_CONSTANT Feature kFeatureAovsThrough = GPU_LOBE(21);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
 #include "kernels/light/emission.glsl"
+#include "kernels/path/aovs_through.glsl"
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
@@ -17,6 +18,7 @@ void escape(Ray ray, inout PathState path) {
     return;
   }
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
+  end_behind(slot, path.throughput);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
   if (USES_LEARNED_SKY) { // over the light samples of the vertex before, as the density that the path keeps

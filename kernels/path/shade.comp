@@ -21,6 +21,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/light/emission.glsl"
+#include "kernels/path/aovs_through.glsl"
 #include "kernels/path/escape.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/found_light.glsl"
@@ -265,6 +266,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   // Scattering or absorption on the way to the surface.
   if (scatters) {
     if (scatter_in_medium(ray, length(offset), path, next)) {
+      end_behind(slot, path.throughput);
       wants_ray = wave.bounce < frame.max_depth;
       if (wants_ray) wants_shadow = light_in_medium(ray, next, path, shadow);
       wants_ray = wants_ray && survives_medium(slot, path);
@@ -288,6 +290,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
   // Emission, weighted against next-event estimation.
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
+  if (has_lobe(kFeatureAovsThrough) && (wave.bounce == 0u || shows_behind(slot)))
+    record_behind(slot, path.throughput * v.bsdf.base_color, v.normal,
+                  !bsdf_has_smooth(v.bsdf) && (material.flags & kMaterialUnlit) == 0u);
   disperse(v, path);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {

@@ -23,6 +23,7 @@ RenderPlan first_hit_settings(RenderPlan settings, RaysThrough through, HitData 
   settings.looks_for_noise = false;
   settings.aovs.clear();
   if (data == HitData::surface) settings.aovs = {"normal"}; // one stands for all: they are recorded together
+  settings.aov_through = false;
   settings.denoise = kDenoiseOff;
   if (through == RaysThrough::centres) {
     settings.filter = gpu::kFilterCentre;

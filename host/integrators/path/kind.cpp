@@ -18,9 +18,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct",  "lights",    "path sampling",
-                                                        "adaptive",   "guide",   "lens",      "denoise",
-                                                        "pixel",      "shutter", "terminator"};
+constexpr std::array<std::string_view, 12> kSettings = {"hemisphere", "direct",  "lights",     "path sampling",
+                                                        "adaptive",   "guide",   "lens",       "denoise",
+                                                        "pixel",      "shutter", "terminator", "aov-through"};
 constexpr std::array<std::string_view, 2> kNotByAuto = {"guide", "pixel"}; // it tries guiding; and replays no path
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 

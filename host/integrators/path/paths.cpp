@@ -144,7 +144,10 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
          (has_camera_model(view) ? gpu::kFeatureCameraModel : 0) | features_of(settings);
 }
 
-gpu::Feature film_features(const RenderPlan& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
+gpu::Feature film_features(const RenderPlan& settings) {
+  if (!records_aovs(settings)) return 0;
+  return gpu::kFeatureAovs | (settings.aov_through ? gpu::kFeatureAovsThrough : 0);
+}
 
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t shadow_queues) {
   std::uint64_t bytes = 0;

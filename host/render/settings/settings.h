@@ -135,6 +135,7 @@ struct RenderSettings {
   bool guide = false;                     // path guiding: directions are also drawn from a trained field
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
+  bool aov_through = false;      // albedo and normal are those of what mirrors and smooth glass show
 };
 
 } // namespace wavepath

@@ -184,6 +184,14 @@ std::vector<Setting> picture_rows() {
        .decides = Decides::channels,
        .offered = kByRenderAndView,
        .identity = [](const S& s) { return std::string(records_aovs(s) ? "yes" : "no"); }},
+      {.name = "aov-through",
+       .value = SwitchValue{&S::aov_through},
+       .meaning = "channels albedo and normal show what is behind smooth glass and in mirrors, as filters of noise want "
+                  "them: the first surface on the path that scatters otherwise, its albedo tinted",
+       .group = SettingGroup::picture,
+       .advanced = true,
+       .supported_by = SupportedBy::listed_else_refused,
+       .offered = kByRenderAndView},
   };
 }
 

@@ -26,7 +26,7 @@ std::uint32_t lens_of(const RenderPlan& settings) {
 } // namespace
 
 gpu::Feature generic_features(gpu::Feature scene) {
-  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
+  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kFeatureAovsThrough | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel));
@@ -38,7 +38,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const bool reuse = kernels_reuse_paths(settings, features);
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
-  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
+  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAovsThrough | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                       gpu::kFeatureLightCells | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
