@@ -27,6 +27,9 @@ constexpr double kLargest = std::numeric_limits<float>::max();
 constexpr double kMostMagnitude = 1e15; // metres of an orthographic picture
 constexpr double kMostShift = 1e3;      // pictures
 constexpr double kMostEyeDistance = 1e15;
+// Radiance is 1 over the square of these, and stays far within the range of floats.
+constexpr double kLeastSunAngle = 1e-6, kMostSunAngle = 180.0;
+constexpr double kLeastLampRadius = 1e-9, kMostLampRadius = 1e9;
 
 // A value with two commas that names no file must be a radiance.
 void read_environment(const FlagValue& value, SceneRequest& request) {
@@ -36,6 +39,12 @@ void read_environment(const FlagValue& value, SceneRequest& request) {
   if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0))))
     value.refuse("is negative", "give radiance of zero or more");
   request.environment = value.text;
+}
+
+double extent(const FlagValue& value, double least, double most) {
+  const double number = value.number(0.0, most);
+  if (number > 0.0 && number < least) value.refuse("is too small", fmt::format("give at least {}, or 0", least));
+  return number;
 }
 
 Environment requested_environment(const SceneRequest& request) {
@@ -75,6 +84,12 @@ void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loade
   loaded.light = reason(light);
   loaded.room_lamp = light == DefaultLight::lamp;
   if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+}
+
+void soften_lamps(const SceneRequest& request, Scene& scene) {
+  for (PunctualLight& light : scene.lights)
+    light.extent =
+        light.kind == LightKind::directional ? glm::radians(0.5 * request.sun_angle) : request.lamp_radius;
 }
 
 } // namespace
@@ -118,6 +133,18 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
              const auto [azimuth, elevation] = value.split(',', "write it as AZIMUTH,ELEVATION, such as 60,40");
              request.sun = {azimuth.number(-360.0, 360.0), elevation.number(-90.0, 90.0)};
            });
+  add_flag(app, group,
+           {"--sun-angle", "DEG",
+            "angle under which directional lights are seen, in degrees across (the sun: 0.53), with the light that "
+            "they have. Shadows get penumbrae, and mirrors show the light. docs/cameras_and_passes.md",
+            "0, as the file has them", kAdvanced},
+           [&](const FlagValue& value) { request.sun_angle = extent(value, kLeastSunAngle, kMostSunAngle); });
+  add_flag(app, group,
+           {"--lamp-radius", "METRES",
+            "radius of point and spot lights, in metres of the scene, with the power that they have. Shadows get "
+            "penumbrae, and mirrors show the lamp",
+            "0, as the file has them", kAdvanced},
+           [&](const FlagValue& value) { request.lamp_radius = extent(value, kLeastLampRadius, kMostLampRadius); });
 }
 
 void add_shutter_flag(CLI::App& app, SceneRequest& request) {
@@ -188,6 +215,8 @@ std::string flags_of(const SceneRequest& request) {
   if (request.environment_degrees != 0.0) add("--env-rotation", fmt::format("{}", request.environment_degrees));
   if (request.ground) flags += " --ground";
   if (request.sun) flags += fmt::format(" --sun {},{}", request.sun->x, request.sun->y);
+  if (request.sun_angle > 0.0) flags += fmt::format(" --sun-angle {}", request.sun_angle);
+  if (request.lamp_radius > 0.0) flags += fmt::format(" --lamp-radius {}", request.lamp_radius);
   return flags;
 }
 
@@ -320,6 +349,7 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
     if (loaded.sun)
       loaded.light = fmt::format("a sun (--sun {},{}){}", loaded.sun->x, loaded.sun->y,
                                  scene.lights.size() > 1 ? ", and as authored" : "");
+    soften_lamps(request, scene);
     if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });
@@ -335,6 +365,7 @@ bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
   scene.environment = std::move(environment);
   if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
   if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+  soften_lamps(request, scene);
   if (request.ground) add_ground(scene, loaded.framing.bounds);
   return loaded.file->is_still();
 }
@@ -355,6 +386,7 @@ void relight(const SceneRequest& request, LoadedScene& loaded) {
     if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
     light_by_rule(request, scene, loaded);
   }
+  soften_lamps(request, scene);
   if (request.ground) relight_ground(scene);
 }
 

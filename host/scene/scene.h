@@ -79,6 +79,8 @@ struct PunctualLight {
   glm::dvec3 direction{0.0, 0.0, -1.0};                     // of emission, unit length
   double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
   double range = 0.0; // metres at which a point or spot light has faded to nothing; 0 = nowhere
+  // Of a soft lamp: radius in metres, or half the angle in radians under which a directional light is seen; 0 = none.
+  double extent = 0.0;
 };
 
 // Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see lat_long.h); empty = constant.

@@ -78,7 +78,7 @@ void add(Hash& hash, const Instance& instance) {
 }
 
 void add(Hash& hash, const PunctualLight& light) {
-  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range] = light;
+  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent] = light;
   hash.add(kind);
   hash.add(intensity);
   hash.add(position);
@@ -86,6 +86,7 @@ void add(Hash& hash, const PunctualLight& light) {
   hash.add(inner_cone);
   hash.add(outer_cone);
   hash.add(range);
+  if (extent > 0.0) hash.add(extent);
 }
 
 void add(Hash& hash, const Environment& environment) {

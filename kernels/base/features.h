@@ -85,6 +85,8 @@ GPU_CONSTANT Feature kFeatureWalls = GPU_LOBE(16);
 GPU_CONSTANT Feature kFeatureCameraModel = GPU_LOBE(17);
 // Albedo and normal are those of what mirrors and smooth glass show (aovs_through.glsl).
 GPU_CONSTANT Feature kFeatureAovsThrough = GPU_LOBE(21);
+// Punctual lights that have an extent, which rays can meet (kernels/light/soft_lamps.glsl).
+GPU_CONSTANT Feature kFeatureSoftLamps = GPU_LOBE(20);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

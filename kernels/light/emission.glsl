@@ -4,6 +4,7 @@
 #define WAVEPATH_EMISSION_GLSL
 
 #include "kernels/light/light_sampling.glsl"
+#include "kernels/light/soft_lamps.glsl"
 #ifdef BIND_LIGHT_TREE
 #include "kernels/light/learned_sky.glsl"
 #endif
@@ -94,6 +95,31 @@ LightSample sample_triangle_light(Light light, vec3 from, uvec2 u) {
   return s;
 }
 
+// By solid angle. The shadow ray ends where it meets the lamp.
+LightSample sample_soft_lamp(Light light, vec3 from, uvec2 u) {
+  LightSample s = no_light();
+  s.distant = light.kind == kLightDirectional;
+  vec3 offset = light.position - from, tangent, bitangent;
+  vec3 axis = s.distant ? light.direction : safe_normalize(offset, vec3(0.0, 0.0, 1.0));
+  float height = lamp_height(light, from);
+  vec2 place = warp_disk(unit_float(u)); // of a cap as of a disc: area goes by the square of the radius
+  float below = height * dot(place, place), sine2 = below * (2.0 - below);
+  make_basis(axis, tangent, bitangent);
+  s.direction =
+      normalize(to_world(vec3(sqrt(height * (2.0 - below)) * place, 1.0 - below), tangent, bitangent, axis));
+  float distance_ = 0.0;
+  if (!s.distant) {
+    float distance2 = dot(offset, offset), radius2 = square_of(lamp_extent(light)), along = sqrt(distance2) * (1.0 - below),
+          half_ = sqrt(max(radius2 - distance2 * sine2, 0.0));
+    bool inside = distance2 < radius2;
+    distance_ = inside ? along + half_ : max((distance2 - radius2) / (along + half_), 0.0);
+    s.target = from + distance_ * s.direction;
+  }
+  s.radiance = lamp_radiance(light, -s.direction, distance_);
+  s.pdf = light.probability * cap_pdf(height);
+  return s;
+}
+
 LightSample sample_punctual_light(Light light, vec3 from) {
   LightSample s = no_light();
   vec3 to_light;
@@ -132,6 +158,8 @@ LightSample sample_picked_light(uint index, vec3 from, uvec2 u) {
     s = sample_triangle_light(light, from, u);
   else if (has(kFeaturePunctualLights))
     s = sample_punctual_light(light, from);
+  if (has_lobe(kFeatureSoftLamps) && light.kind != kLightTriangle && light.kind != kLightEnvironment && is_soft(light))
+    s = sample_soft_lamp(light, from, u);
   s.light = index;
   return s;
 }

@@ -6,6 +6,7 @@
 #include "kernels/light/emission.glsl"
 #include "kernels/path/aovs_through.glsl"
 #include "kernels/path/found_light.glsl"
+#include "kernels/path/lamps.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/sky_density.glsl"
@@ -13,12 +14,14 @@
 // The environment in the ray's direction, as much of it as next-event estimation leaves to the BSDF.
 void escape(Ray ray, inout PathState path) {
   uint slot = ray.slot;
+  meet_lamps(ray, kFar, path);
   if (is_in_scattering_medium(slot)) { // out of an open mesh; what scatters there is lost
     path.throughput = vec3(0.0);
     return;
   }
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
   end_behind(slot, path.throughput);
+  meet_distant_lamps(ray, path);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
   if (USES_LEARNED_SKY) { // over the light samples of the vertex before, as the density that the path keeps

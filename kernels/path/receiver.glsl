@@ -9,7 +9,8 @@
 // True if the vertex is stored for its scattered ray. The hit needs it to compute the probability of the light there,
 // or because the ray begins elsewhere after panes.
 bool keeps_receivers() {
-  return uses_light_tree() || uses_learned_sky() || (uses(kFeaturePanes) && has(kFeatureTriangleLights));
+  bool found_behind_panes = has(kFeatureTriangleLights) || has_lobe(kFeatureSoftLamps);
+  return uses_light_tree() || uses_learned_sky() || (uses(kFeaturePanes) && found_behind_panes);
 }
 
 // Stores the vertex for the weight of what the scattered ray may hit.

@@ -263,6 +263,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
+  meet_lamps(ray, length(offset), path);
   // Scattering or absorption on the way to the surface.
   if (scatters) {
     if (scatter_in_medium(ray, length(offset), path, next)) {

@@ -47,7 +47,8 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
 // kernels/path/receiver.glsl.
 bool keeps_receivers(const BufferDimensions& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
-  const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
+  const bool through_panes =
+      has(gpu::kFeaturePanes) && (has(gpu::kFeatureTriangleLights) || has(gpu::kFeatureSoftLamps));
   return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
 }
 

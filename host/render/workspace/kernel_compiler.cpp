@@ -29,7 +29,8 @@ gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kFeatureAovsThrough | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
-                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel));
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel |
+                   gpu::kFeatureSoftLamps));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -52,7 +53,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;
   // A path that leaves the scene sees the environment, and ends a record on which guiding trains.
-  const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
+  const bool escapes = settings.guide || features & (gpu::kFeatureEnvironment | gpu::kFeatureSoftLamps);
   const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
                              : escapes                        ? gpu::kSortEscapes
                                                               : gpu::kSortHits;

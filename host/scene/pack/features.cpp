@@ -79,7 +79,7 @@ gpu::Feature light_features(const PackedScene& packed) {
     if (light.kind == gpu::kLightTriangle)
       features |= gpu::kFeatureTriangleLights;
     else if (light.kind != gpu::kLightEnvironment)
-      features |= gpu::kFeaturePunctualLights;
+      features |= gpu::kFeaturePunctualLights | bit_if(light.pdf_area > 0.0f, gpu::kFeatureSoftLamps);
   }
   features |=
       bit_if(glm::any(glm::greaterThan(packed.environment_radiance, glm::vec3(0.0f))), gpu::kFeatureEnvironment);

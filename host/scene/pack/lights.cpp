@@ -169,6 +169,7 @@ void add_punctual(const Scene& scene, const PackedScene& packed, bool directiona
     light.intensity = source.intensity;
     light.position = source.position - packed.origin;
     light.inverse_range = !directional && source.range > 0.0 ? static_cast<float>(1.0 / source.range) : 0.0f;
+    light.pdf_area = static_cast<float>(directional ? 2.0 * std::pow(std::sin(0.5 * source.extent), 2.0) : source.extent);
     double power = luminance(source.intensity);
     switch (source.kind) {
       case LightKind::point:
@@ -209,11 +210,18 @@ std::vector<double> weigh(const LightList& list) {
   return weights;
 }
 
-LightBounds bounds_of(const gpu::Light& light, double power, double area, const PackedScene& packed) {
+LightBounds lamp_bounds(const gpu::Light& light, double power) {
   if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * pi));
-  if (light.kind == gpu::kLightSpot) {
-    const double outer = std::acos(std::clamp(-double{light.spot_offset} / light.spot_scale, -1.0, 1.0));
-    return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);
+  const double outer = std::acos(std::clamp(-double{light.spot_offset} / light.spot_scale, -1.0, 1.0));
+  return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);
+}
+
+LightBounds bounds_of(const gpu::Light& light, double power, double area, const PackedScene& packed) {
+  if (light.kind == gpu::kLightPoint || light.kind == gpu::kLightSpot) {
+    LightBounds bounds = lamp_bounds(light, power);
+    const float radius = light.pdf_area;
+    bounds.lo -= radius, bounds.hi += radius;
+    return bounds;
   }
   const gpu::Triangle& triangle = packed.triangles[light.triangle];
   const bool two_sided =

@@ -1,0 +1,59 @@
+// Soft lamps that rays of paths meet by chance: spheres on the way, and directional lights by rays that leave the scene.
+// Camera rays do not look for them. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS and
+// BIND_PATHS first.
+#ifndef WAVEPATH_PATH_LAMPS_GLSL
+#define WAVEPATH_PATH_LAMPS_GLSL
+
+#include "kernels/light/emission.glsl"
+#include "kernels/path/bodies.glsl"
+#include "kernels/path/found_light.glsl"
+#include "kernels/path/receiver.glsl"
+
+// A macro, as has() is.
+#define LOOKS_FOR_LAMPS (has_lobe(kFeatureSoftLamps) && (kDirect != kDirectNee || kMicrofacets))
+
+bool may_meet_lamps(PathState path) {
+  return has_soft_lamps() && wave.bounce > 0u && !(kDirect == kDirectNee && path.bsdf_pdf >= 0.0);
+}
+
+// Weight of a lamp's light that the path met. `from`: where its direction was drawn.
+float lamp_weight(PathState path, Light light, uint index, uint slot, vec3 from) {
+  if (!wants_light_weight(path)) return emission_weight(path.bsdf_pdf, 0.0);
+  float pdf = light.probability * lamp_pdf(light, from);
+  if (keeps_receivers()) pdf *= light_ratio(fetch_receiver(slot), index);
+  return emission_weight(path.bsdf_pdf, pdf);
+}
+
+// Spheres before the ray has gone `end` metres. They come last among the local lights.
+void meet_lamps(Ray ray, float end, inout PathState path) {
+  if (!LOOKS_FOR_LAMPS || !may_meet_lamps(path)) return;
+  vec3 from = ray.origin;
+  if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
+  float begun = uses(kFeaturePanes) ? length(ray.origin - from) : 0.0;
+  for (uint i = frame.local_light_count; i > 0u;) {
+    uvec4 position_kind = texelFetch(light_texels, int(--i * kLightTexels));
+    float radius = uintBitsToFloat(texelFetch(light_texels, int(i * kLightTexels + 3u)).x);
+    if (position_kind.w == kLightTriangle || radius == 0.0) break; // all lamps have one radius
+    float distance_ = distance_to_lamp(uintBitsToFloat(position_kind.xyz), radius, from, ray.direction);
+    if (!(distance_ >= begun && distance_ - begun < end && distance_ < kFar)) continue;
+    Light light = fetch_light(i);
+    vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, distance_);
+    if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_ - begun);
+    add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, from));
+  }
+}
+
+// Directional lights behind all surfaces.
+void meet_distant_lamps(Ray ray, inout PathState path) {
+  if (!LOOKS_FOR_LAMPS || !may_meet_lamps(path)) return;
+  for (uint i = frame.local_light_count; i < frame.light_count; ++i) {
+    Light light = fetch_light(i);
+    vec3 beside = ray.direction - light.direction; // its square: twice the height of a cap
+    if (light.kind != kLightDirectional) break;
+    if (!is_soft(light) || dot(beside, beside) > 2.0 * lamp_extent(light)) continue;
+    vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, 0.0);
+    add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, ray.origin));
+  }
+}
+
+#endif
