@@ -9,9 +9,6 @@
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/receiver.glsl"
 
-// A macro, as has() is.
-#define LOOKS_FOR_LAMPS (has_lobe(kFeatureSoftLamps) && (kDirect != kDirectNee || kMicrofacets))
-
 bool may_meet_lamps(PathState path) {
   return has_soft_lamps() && wave.bounce > 0u && !(kDirect == kDirectNee && path.bsdf_pdf >= 0.0);
 }
@@ -26,7 +23,7 @@ float lamp_weight(PathState path, Light light, uint index, uint slot, vec3 from)
 
 // Spheres before the ray has gone `end` metres. They come last among the local lights.
 void meet_lamps(Ray ray, float end, inout PathState path) {
-  if (!LOOKS_FOR_LAMPS || !may_meet_lamps(path)) return;
+  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path)) return;
   vec3 from = ray.origin;
   if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
   float begun = uses(kFeaturePanes) ? length(ray.origin - from) : 0.0;
@@ -45,7 +42,7 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
 
 // Directional lights behind all surfaces.
 void meet_distant_lamps(Ray ray, inout PathState path) {
-  if (!LOOKS_FOR_LAMPS || !may_meet_lamps(path)) return;
+  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path)) return;
   for (uint i = frame.local_light_count; i < frame.light_count; ++i) {
     Light light = fetch_light(i);
     vec3 beside = ray.direction - light.direction; // its square: twice the height of a cap
