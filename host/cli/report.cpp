@@ -92,6 +92,25 @@ std::string percent_text(double fraction, double error) {
   return fmt::format("{} % +- {} %", text(100.0 * fraction, 2), text(100.0 * error, 1));
 }
 
+// The change of the scene that --sun-angle and --lamp-radius make; empty = none.
+std::string soft_lamps_text(const PackedScene& scene) {
+  const auto find = [&](auto is_kind) -> const gpu::Light* {
+    const auto found =
+        std::ranges::find_if(scene.lights, [&](const gpu::Light& l) { return is_kind(l) && l.pdf_area > 0.0f; });
+    return found == scene.lights.end() ? nullptr : &*found;
+  };
+  std::vector<std::string> changes;
+  if (const gpu::Light* sun = find([](const gpu::Light& l) { return l.kind == gpu::kLightDirectional; }))
+    changes.push_back(fmt::format("directional lights are seen under {:.3g} degrees (--sun-angle)",
+                                  glm::degrees(4.0 * std::asin(std::sqrt(0.5 * double{sun->pdf_area})))));
+  if (const gpu::Light* lamp =
+          find([](const gpu::Light& l) { return l.kind == gpu::kLightPoint || l.kind == gpu::kLightSpot; }))
+    changes.push_back(
+        fmt::format("point and spot lights are spheres of radius {:.3g} m (--lamp-radius)", lamp->pdf_area));
+  if (changes.empty()) return {};
+  return fmt::format("the scene is changed, with the light that its lamps have: {}", fmt::join(changes, ", "));
+}
+
 } // namespace
 
 std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
@@ -124,6 +143,7 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
   if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))
     bias.emplace_back(
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");
+  if (const std::string soft = soft_lamps_text(scene); !soft.empty()) bias.push_back(soft);
   if (settings.moving && supports(*settings.integrator, "shutter"))
     bias.emplace_back(
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");

@@ -16,6 +16,13 @@ namespace {
 
 constexpr std::uint32_t kLostLightSide = 64, kLostLightSamples = 16;
 
+// Rays never meet lamps without an extent.
+bool has_lamps_unseen(const PackedScene& scene) {
+  return std::ranges::any_of(scene.lights, [](const gpu::Light& light) {
+    return light.kind != gpu::kLightTriangle && light.kind != gpu::kLightEnvironment && light.pdf_area == 0.0f;
+  });
+}
+
 } // namespace
 
 bool has_smooth_surface(const PackedScene& scene) {
@@ -26,11 +33,11 @@ bool has_smooth_surface(const PackedScene& scene) {
 }
 
 bool may_lose_light(const PackedScene& scene) {
-  return has_smooth_surface(scene) && (scene.features & gpu::kFeaturePunctualLights) != 0;
+  return has_smooth_surface(scene) && has_lamps_unseen(scene);
 }
 
 std::string unlit_bodies(const PackedScene& scene) {
-  const bool lamps = (scene.features & gpu::kFeaturePunctualLights) != 0;
+  const bool lamps = has_lamps_unseen(scene);
   bool dark = false;
   for (std::size_t i = 0; i < scene.layers.size() && lamps; ++i) {
     const gpu::Material& m = scene.materials[i];

@@ -188,6 +188,31 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[slot].emission += radiance;
 }
 
+// Adds a soft lamp that the path has met after `distance_` metres.
+void add_lamp(Ray ray, uint index, float distance_, float merged, inout PathState path) {
+  Light light = fetch_light(index);
+  PathWeights weights = fetch_weights(ray.slot);
+  float pdf = light.probability * lamp_pdf(light, ray.origin);
+  if (was_chosen_there(weights)) pdf *= light_ratio(fetch_receiver(ray.slot), index);
+  vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, distance_);
+  if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_);
+  add_radiance(path, ray.slot, radiance * hit_weight(weights, pdf, lamp_start_pdf(light, ray.origin), merged));
+}
+
+// Soft lamps on the way, as in path/lamps.glsl; directional ones where `end` is kFar.
+void meet_lamps(Ray ray, float end, inout PathState path) {
+  if (!has_lobe(kFeatureSoftLamps) || !has_soft_lamps()) return;
+  if (wave.bounce == 0u || !uses_technique(kTechniqueHit)) return;
+  float merged = merge_met_light(fetch_merge(ray.slot), path.bsdf_pdf);
+  for (uint i = frame.local_light_count; i > 0u;) {
+    float distance_;
+    if (is_before_spheres(--i, ray.origin, ray.direction, distance_)) break;
+    if (distance_ < end) add_lamp(ray, i, distance_, merged, path);
+  }
+  for (uint i = frame.local_light_count; i < frame.light_count && end == kFar; ++i)
+    if (is_in_cone(fetch_light(i), ray.direction)) add_lamp(ray, i, kFarAway, merged, path);
+}
+
 // Sums of weights on arrival at the surface. A camera path begins with the density of the camera's own rays.
 PathWeights arrive(Ray ray, vec3 offset, float cosine) {
   if (wave.bounce == 0u)
@@ -222,6 +247,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   // A ray that left the scene.
   if (hit.triangle == kNone) {
     if (!hits) return;
+    meet_lamps(ray, kFar, path);
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
     float pdf;
     vec3 radiance = environment_emission(ray.direction, pdf);
@@ -237,6 +263,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
+  meet_lamps(ray, length(offset), path);
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), length(offset));
   Vertex v = make_vertex(surface, material, ray.direction);
   if (is_hidden(v, slot)) {

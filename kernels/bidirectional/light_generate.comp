@@ -40,6 +40,6 @@ void main() {
                              start.light, 1.0));
   store_weights(slot, start.weights);
   light_counts[slot] = 0u;
-  if (uses(kFeatureLightTree)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);
+  if (uses(kFeatureLightTree) || has_lobe(kFeatureSoftLamps)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);
   begin_outside(slot); // light_extend finds the bodies that hold the lamp
 }

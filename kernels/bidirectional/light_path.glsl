@@ -102,6 +102,33 @@ void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
   start.weights = PathWeights(1.0 / square(cone_pdf(light)), 0.0);
 }
 
+// On a soft lamp: the direction as from a point, the position even over the disc that the sphere shows to it. The weight
+// of a connection depends on where the path arrives: start_ratio().
+void start_on_sphere(Light light, uvec2 u_position, vec2 u_direction, inout LightStart start) {
+  start_at_point(light, u_direction, start);
+  float radius = lamp_extent(light);
+  vec2 place = warp_disk(unit_float(u_position));
+  vec3 tangent, bitangent;
+  make_basis(start.direction, tangent, bitangent);
+  float ahead = sqrt(max(1.0 - dot(place, place), 0.0));
+  start.origin += radius * (ahead * start.direction + place.x * tangent + place.y * bitangent);
+  start.weights.others = square(kPi * square(radius) / (light.probability * cone_pdf(light)));
+}
+
+// What a light path that begins on a soft lamp has to scale its weight of a connection by, where it arrives at `at`:
+// PathWeights then assume a point.
+float start_ratio(Light light, vec3 at, float distance_squared) {
+  return lamp_pdf(light, at) * kPi * square(lamp_extent(light)) / distance_squared;
+}
+
+// Density with which a light path begins where a camera path, on its way from `from`, meets a lamp, and takes the same
+// way: per solid angle there and area across it.
+float lamp_start_pdf(Light light, vec3 from) {
+  if (light.kind == kLightDirectional) return light.probability * lamp_pdf(light, from) * disk_pdf();
+  if (lamp_height(light, from) > 1.0) return 0.0; // light paths begin outwards
+  return light.probability * cone_pdf(light) * kInvPi / square(lamp_extent(light));
+}
+
 // `to_light`: of unit length.
 void start_at_infinity(vec3 to_light, vec2 u_position, inout LightStart start) {
   vec3 tangent, bitangent;
@@ -130,6 +157,13 @@ bool start_light_path(Sampler path_sampler, out LightStart start) {
     if (!(s.pdf > 0.0)) return false;
   } else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) {
     start_on_triangle(light, u_light, u, start);
+  } else if (has_lobe(kFeatureSoftLamps) && is_soft(light) && light.kind == kLightDirectional) {
+    LightSample s = sample_soft_lamp(light, vec3(0.0), u_light);
+    start_at_infinity(s.direction, u, start);
+    start.light = s.radiance / (s.pdf * disk_pdf());
+    start.weights.others = 1.0 / square(s.pdf * disk_pdf());
+  } else if (has_lobe(kFeatureSoftLamps) && is_soft(light)) {
+    start_on_sphere(light, u_light, u, start);
   } else if (has(kFeaturePunctualLights) && light.kind == kLightDirectional) {
     start_at_infinity(light.direction, u, start);
     start.light = light.intensity / (light.probability * disk_pdf());
@@ -154,6 +188,8 @@ float start_pdf_area(LightSample s, vec3 from, float cosine) {
     direction_pdf =
         triangle_direction_pdf(fetch_material(surface.material), abs(dot(surface.geometric_normal, s.direction)));
     offset = s.target - from;
+  } else if (has_lobe(kFeatureSoftLamps) && is_soft(light)) {
+    return lamp_start_pdf(light, from) * cosine / (light.probability * lamp_pdf(light, from));
   } else {
     direction_pdf = cone_pdf(light);
   }

@@ -104,6 +104,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     store_weights(ray.slot, weights);
     return;
   }
+  if (wave.bounce == 1u && has_lobe(kFeatureSoftLamps) && path.bsdf_pdf != 0.0) {
+    Light light = fetch_light(texelFetch(receiver_texels, int(ray.slot)).x);
+    vec3 offset = v.surface.position - ray.origin;
+    if (is_soft(light)) weights.connect *= square(start_ratio(light, v.surface.position, dot(offset, offset)));
+    weights = bounded(weights);
+  }
   if (wave.bounce == 1u && uses_light_tree() && bsdf_has_smooth(v.bsdf)) { // a camera path would choose the light by
                                                                            // this vertex
     uint light = texelFetch(receiver_texels, int(ray.slot)).x;

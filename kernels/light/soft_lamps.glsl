@@ -54,4 +54,23 @@ vec3 lamp_radiance(Light light, vec3 direction, float distance_) {
   return punctual_irradiance(light, direction, ignored) * (fades * kInvPi / square_of(lamp_extent(light)));
 }
 
+#ifdef BIND_LIGHTS
+// Soft spheres are the last of the local lights, and have one radius: true if there is none at this index, nor before
+// it. `distance_`: as above.
+bool is_before_spheres(uint index, vec3 from, vec3 direction, out float distance_) {
+  distance_ = kFar;
+  uvec4 position_kind = texelFetch(light_texels, int(index * kLightTexels));
+  float radius = uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
+  if (position_kind.w == kLightTriangle || radius == 0.0) return true;
+  distance_ = distance_to_lamp(uintBitsToFloat(position_kind.xyz), radius, from, direction);
+  return false;
+}
+#endif
+
+// True if the direction is one of a directional light's.
+bool is_in_cone(Light light, vec3 direction) {
+  vec3 beside = direction - light.direction; // its square: twice the height of a cap
+  return light.kind == kLightDirectional && is_soft(light) && dot(beside, beside) <= 2.0 * lamp_extent(light);
+}
+
 #endif

@@ -28,10 +28,8 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
   if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
   float begun = uses(kFeaturePanes) ? length(ray.origin - from) : 0.0;
   for (uint i = frame.local_light_count; i > 0u;) {
-    uvec4 position_kind = texelFetch(light_texels, int(--i * kLightTexels));
-    float radius = uintBitsToFloat(texelFetch(light_texels, int(i * kLightTexels + 3u)).x);
-    if (position_kind.w == kLightTriangle || radius == 0.0) break; // all lamps have one radius
-    float distance_ = distance_to_lamp(uintBitsToFloat(position_kind.xyz), radius, from, ray.direction);
+    float distance_;
+    if (is_before_spheres(--i, from, ray.direction, distance_)) break;
     if (!(distance_ >= begun && distance_ - begun < end && distance_ < kFar)) continue;
     Light light = fetch_light(i);
     vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, distance_);
@@ -45,9 +43,7 @@ void meet_distant_lamps(Ray ray, inout PathState path) {
   if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path)) return;
   for (uint i = frame.local_light_count; i < frame.light_count; ++i) {
     Light light = fetch_light(i);
-    vec3 beside = ray.direction - light.direction; // its square: twice the height of a cap
-    if (light.kind != kLightDirectional) break;
-    if (!is_soft(light) || dot(beside, beside) > 2.0 * lamp_extent(light)) continue;
+    if (!is_in_cone(light, ray.direction)) continue;
     vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, 0.0);
     add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, ray.origin));
   }

@@ -44,12 +44,12 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
     kShade, kExtend, kConnect, kEscape, kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
 
 // True if paths store the vertex where they were scattered: see the function of this name in
-// kernels/path/receiver.glsl.
+// kernels/path/receiver.glsl. Light paths store which soft lamp they began at.
 bool keeps_receivers(const BufferDimensions& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
-  const bool through_panes =
-      has(gpu::kFeaturePanes) && (has(gpu::kFeatureTriangleLights) || has(gpu::kFeatureSoftLamps));
-  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
+  const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
+  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes ||
+                                         has(gpu::kFeatureSoftLamps));
 }
 
 // Words of lights, followed by those of parts of the sky.

@@ -49,8 +49,11 @@ constinit const IntegratorKind kWhitted = {
     .walks_light_tree = false,
     .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
-    .unsupported_reason = [](const RenderPlan&,
-                             const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
+    .unsupported_reason = [](const RenderPlan&, const PackedScene& scene) -> std::string {
+      if (scene.features & gpu::kFeatureSoftLamps)
+        return "lights by one ray to each lamp, which has no extent (--sun-angle, --lamp-radius)";
+      return lacked_lobes(scene, kWhittedLacks);
+    },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

@@ -165,7 +165,7 @@ bool lamps_in_bodies(const PackedScene& scene) {
     if (light.kind == gpu::kLightTriangle)
       lamp = box_of(scene.triangles[light.triangle], world_from_object(scene, light.instance));
     else if (light.kind == gpu::kLightPoint || light.kind == gpu::kLightSpot)
-      lamp.add(glm::dvec3(light.position));
+      for (const float radius : {-light.pdf_area, light.pdf_area}) lamp.add(glm::dvec3(light.position + radius));
     else
       return false;
     return std::ranges::any_of(bodies, [&](const Bounds& body) { return touch(body, lamp); });

@@ -44,6 +44,8 @@ LightCover light_cover(const ShadowKind& kind, const PackedScene& scene) {
 }
 
 std::string unsupported_reason(const ShadowKind& kind, const PackedScene& scene) {
+  if (scene.features & gpu::kFeatureSoftLamps)
+    return "is for lamps without an extent, or with that of emissive surfaces (--sun-angle, --lamp-radius)";
   const LightCover cover = light_cover(kind, scene);
   if (!cover.covered.empty()) return kind.refusal ? kind.refusal(scene) : "";
   return fmt::format("is for {}, and this scene has {}", names_of(kind.sources),
