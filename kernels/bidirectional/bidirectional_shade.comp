@@ -194,7 +194,7 @@ void add_lamp(Ray ray, uint index, float distance_, float merged, inout PathStat
   PathWeights weights = fetch_weights(ray.slot);
   float pdf = light.probability * lamp_pdf(light, ray.origin);
   if (was_chosen_there(weights)) pdf *= light_ratio(fetch_receiver(ray.slot), index);
-  vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, distance_);
+  vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
   if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_);
   add_radiance(path, ray.slot, radiance * hit_weight(weights, pdf, lamp_start_pdf(light, ray.origin), merged));
 }

@@ -32,7 +32,7 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
     if (is_before_spheres(--i, from, ray.direction, distance_)) break;
     if (!(distance_ >= begun && distance_ - begun < end && distance_ < kFar)) continue;
     Light light = fetch_light(i);
-    vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, distance_);
+    vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
     if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_ - begun);
     add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, from));
   }
@@ -44,7 +44,7 @@ void meet_distant_lamps(Ray ray, inout PathState path) {
   for (uint i = frame.local_light_count; i < frame.light_count; ++i) {
     Light light = fetch_light(i);
     if (!is_in_cone(light, ray.direction)) continue;
-    vec3 radiance = path.throughput * lamp_radiance(light, ray.direction, 0.0);
+    vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, 0.0);
     add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, ray.origin));
   }
 }

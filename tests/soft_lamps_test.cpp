@@ -1,0 +1,248 @@
+// Punctual lights with an extent: light and penumbrae against closed forms, from nothing to as large as the scene, and
+// the same light by every estimator and from both ends of paths.
+#include <cmath>
+#include <numbers>
+
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/whitted/kind.h"
+#include "tests/bidirectional_scene.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::uint32_t kPixels = 16;
+
+Material white() {
+  Material material = plain_material();
+  material.base_color = glm::vec4(1.0f);
+  return material;
+}
+
+// A white floor at y = 0, seen from above by parallel rays: a square of this half width about (x, 0).
+Scene white_floor(double half, double x = 0.0, double height = 0.05) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(white());
+  const auto wide = static_cast<float>(1e3 * half);
+  add_instance(scene, add_mesh(scene, quad({-wide, 0, wide}, {wide, 0, wide}, {wide, 0, -wide}, {-wide, 0, -wide})));
+  Camera camera;
+  camera.orthographic = true;
+  camera.xmag = camera.ymag = half;
+  camera.world_from_camera = glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0),
+                                        glm::dvec4(x, height, 0, 1));
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+PunctualLight lamp_at(LightKind kind, const glm::dvec3& position, const glm::dvec3& direction, double extent) {
+  PunctualLight light;
+  light.kind = kind;
+  light.intensity = glm::vec3(1.0f);
+  light.position = position;
+  light.direction = glm::normalize(direction);
+  light.extent = extent;
+  return light;
+}
+
+// Fraction of a sun at the zenith, of this half angle, that a point of the floor sees past a half-plane over x < 0 at
+// this height: by areas in the projection of directions onto the floor, in which the sun is a disc and the edge half an
+// ellipse.
+double fraction_in_sight(double half_angle, double x, double height) {
+  const double radius = std::sin(half_angle), k = -x / height;
+  constexpr int kSteps = 4000;
+  double area = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double z = radius * (2.0 * (i + 0.5) / kSteps - 1.0), half = std::sqrt(radius * radius - z * z);
+    const double edge = k * std::sqrt((1.0 - z * z) / (1.0 + k * k)); // sees directions beyond it
+    area += std::clamp(half - edge, 0.0, 2.0 * half) * 2.0 * radius / kSteps;
+  }
+  return area / (kPi * radius * radius);
+}
+
+class SoftLamps : public BidirectionalTest {
+protected:
+  static RenderPlan square(std::uint32_t spp, std::uint32_t direct, const IntegratorKind& kind = kPath) {
+    RenderPlan plan = settings(spp, 1);
+    plan.integrator = &kind;
+    plan.width = plan.height = kPixels;
+    plan.filter = gpu::kFilterBox;
+    plan.direct = direct;
+    return plan;
+  }
+  // Of all pixels, as radiance of a white floor times pi.
+  double irradiance(const Scene& scene, const RenderPlan& plan) {
+    const Picture picture = render(Subject(scene, plan), plan).picture;
+    double sum = 0.0;
+    for (const float value : picture.channels[0].values) sum += double{value};
+    return kPi * sum / (kPixels * kPixels);
+  }
+};
+
+constexpr std::uint32_t kEstimators[] = {gpu::kDirectMis, gpu::kDirectNee};
+
+// A sphere wholly above the horizon lights as its centre would, whatever its size.
+TEST_F(SoftLamps, SpheresLightAsPointsDo) {
+  const glm::dvec3 to_lamp(0.6, 2.0, -0.5);
+  const double distance = glm::length(to_lamp), expected = to_lamp.y / std::pow(distance, 3.0);
+  for (const double radius : {1e-9, 1e-4, 0.1, 1.0, 1.99})
+    for (const std::uint32_t direct : kEstimators) {
+      SCOPED_TRACE(radius);
+      Scene scene = white_floor(1e-5, 0.0, 1e-3);
+      scene.lights = {lamp_at(LightKind::point, to_lamp, {0, -1, 0}, radius)};
+      EXPECT_NEAR(irradiance(scene, square(1024, direct)), expected, 2e-3 * expected);
+    }
+}
+
+// The part of a spot's sphere that shines to a point is that whose rays lie in the cone; far from the rim all of it.
+TEST_F(SoftLamps, SpotsKeepTheirIntensity) {
+  for (const double radius : {1e-3, 0.2}) {
+    Scene scene = white_floor(1e-4, 0.0, 1e-3);
+    scene.lights = {lamp_at(LightKind::spot, {0, 2, 0}, {0, -1, 0}, radius)};
+    scene.lights[0].inner_cone = 0.6, scene.lights[0].outer_cone = 0.8;
+    EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis)), 0.25, 5e-4) << radius;
+  }
+}
+
+// Inside of a sphere radiance arrives from everywhere.
+TEST_F(SoftLamps, SpheresShineInside) {
+  for (const IntegratorKind* kind : {&kPath, &kBidirectional}) {
+    Scene scene = white_floor(1e-3, 0.0, 1e-2);
+    scene.lights = {lamp_at(LightKind::point, {0.1, 0.2, 0.0}, {0, -1, 0}, 0.5)};
+    EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis, *kind)), 4.0, 0.02) << kind->name;
+  }
+}
+
+// A sun of any size brings E to what faces it, and E times the cosine while it is above the horizon.
+TEST_F(SoftLamps, SunsLightAsParallelRaysDo) {
+  for (const double degrees : {1e-6, 1e-4, 0.53, 20.0, 89.0})
+    for (const double tilt : {0.0, 0.7})
+      for (const std::uint32_t direct : kEstimators) {
+        SCOPED_TRACE(degrees);
+        const double half = glm::radians(0.5 * degrees);
+        if (tilt + half > 0.5 * kPi) continue;
+        Scene scene = white_floor(1.0);
+        scene.lights = {lamp_at(LightKind::directional, {}, {std::sin(tilt), -std::cos(tilt), 0}, half)};
+        EXPECT_NEAR(irradiance(scene, square(1024, direct)), std::cos(tilt), 2e-3) << tilt;
+      }
+}
+
+// By every estimator, and with light paths.
+TEST_F(SoftLamps, PenumbraIsThatOfTheClosedForm) {
+  const double half_angle = glm::radians(8.0), height = 2.0, reach = height * std::tan(half_angle);
+  for (const double at : {-1.2, -0.6, 0.0, 0.4, 0.9, 1.2}) {
+    const double x = at * reach, expected = fraction_in_sight(half_angle, x, height);
+    for (const bool is_lamp : {false, true}) {
+      Scene scene = white_floor(1e-4, x);
+      const auto y = static_cast<float>(height);
+      add_instance(scene, add_mesh(scene, quad({-500, y, 500}, {0, y, 500}, {0, y, -500}, {-500, y, -500})));
+      if (is_lamp) // far away, and as wide there
+        scene.lights = {lamp_at(LightKind::point, {x, 1e3, 0}, {0, -1, 0}, 1e3 * std::sin(half_angle))};
+      else
+        scene.lights = {lamp_at(LightKind::directional, {}, {0, -1, 0}, half_angle)};
+      if (is_lamp) scene.lights[0].intensity = glm::vec3(1e6f);
+      for (const std::uint32_t direct : kEstimators)
+        EXPECT_NEAR(irradiance(scene, square(1024, direct)), expected, 3e-3)
+            << at << (is_lamp ? " lamp" : " sun");
+      EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis, kBidirectional)), expected, 6e-3)
+          << at << " bidirectional";
+    }
+  }
+}
+
+Scene corner_with(std::vector<LightKind> kinds, double extent, bool smooth = false) {
+  Scene scene = corner();
+  if (smooth) scene.materials[1].roughness = 0.0f;
+  for (const LightKind kind : kinds) {
+    add_lamp(scene, kind);
+    scene.lights.back().extent = kind == LightKind::directional ? 0.4 * extent : extent;
+    scene.lights.back().position.x -= 0.7 * static_cast<double>(scene.lights.size() - 1);
+  }
+  return scene;
+}
+
+// A plate of metal reflects what mis finds by its BSDF and nee by light samples; a mirror reflects by rays alone.
+TEST_F(SoftLamps, EstimatorsAgree) {
+  for (const bool smooth : {false, true}) {
+    const Scene scene = corner_with({LightKind::point, LightKind::spot, LightKind::directional}, 0.3, smooth);
+    RenderPlan mis = path_settings(512, 3), nee = mis;
+    nee.direct = gpu::kDirectNee;
+    expect_same_mean(average(Subject(scene, mis), mis), average(Subject(scene, nee), nee));
+    if (smooth) expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kLight}, 64);
+  }
+}
+
+TEST_F(SoftLamps, LightPathsFindTheSame) {
+  const std::vector<std::uint32_t> sets = {gpu::kTechniquesAll, kHit | kLight, kLight | kConnect, kHit | kSplat,
+                                           kLight | kSplat, kLight | kConnect | kSplat};
+  for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::directional}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    expect_path_light(corner_with({kind}, 0.3), 3, sets, 64);
+  }
+  SCOPED_TRACE("mirror");
+  expect_path_light(corner_with({LightKind::point, LightKind::directional}, 0.3, true), 3,
+                    {gpu::kTechniquesAll, kHit | kLight}, 64);
+}
+
+// Many lamps: by the tree, and by trained probabilities. Lamps touch the floor and each other.
+TEST_F(SoftLamps, ManyLampsAreChosenLikewise) {
+  Scene scene = corner_with(std::vector<LightKind>(14, LightKind::point), 0.12);
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const double at = static_cast<double>(i);
+    scene.lights[i].position = {-1.6 + 0.24 * at, -0.42 + 0.1 * std::fmod(3.0 * at, 7.0), 0.3 + 0.4 * std::sin(at)};
+    scene.lights[i].intensity *= 0.05f;
+  }
+  add_lamp(scene, LightKind::directional);
+  scene.lights.back().extent = 0.1;
+  RenderPlan power = path_settings(256, 3);
+  power.lights = gpu::kLightsPower;
+  const Average expected = average(Subject(scene, power), power);
+  for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsLearned})
+    for (const IntegratorKind* kind : {&kPath, &kBidirectional}) {
+      SCOPED_TRACE(kind->name);
+      RenderPlan asked = power;
+      asked.lights = lights;
+      asked.integrator = kind;
+      expect_same_mean(average(Subject(scene, asked), asked), expected);
+    }
+}
+
+// Through a pane in front of the lamp, and with generic kernels and waves of any length.
+TEST_F(SoftLamps, ShineThroughPanes) {
+  Scene scene = corner_with({LightKind::point}, 0.3);
+  Material pane = plain_material();
+  pane.transmission = 1.0f, pane.specular = 1.0f, pane.roughness = 0.0f;
+  pane.base_color = {0.9f, 0.8f, 0.7f, 1.0f};
+  scene.materials.push_back(pane);
+  add_instance(scene, add_mesh(scene, quad({-2, 0.9f, 2}, {2, 0.9f, 2}, {2, 0.9f, -1}, {-2, 0.9f, -1}),
+                               static_cast<std::uint32_t>(scene.materials.size() - 1)));
+  RenderPlan mis = path_settings(512, 4), nee = mis;
+  nee.direct = gpu::kDirectNee;
+  expect_same_mean(average(Subject(scene, mis), mis), average(Subject(scene, nee), nee));
+  RenderPlan few = path_settings(4, 4);
+  const Subject subject(scene, few);
+  expect_same_film_however_cut(subject, few, *render(subject, few).film);
+}
+
+// Without an extent the film is what it was; with one, reuse and light samples keep the light.
+TEST_F(SoftLamps, OtherSamplingFindsTheSame) {
+  const Scene scene = corner_with({LightKind::point, LightKind::directional}, 0.3);
+  RenderPlan plain = path_settings(256, 3);
+  plain.reuse = kReuseOff;
+  const Average expected = average(Subject(scene, plain), plain);
+  RenderPlan reuse = plain, samples = plain;
+  reuse.reuse = kReuseOn;
+  samples.light_samples = 4;
+  expect_same_mean(average(Subject(scene, reuse), reuse), expected);
+  expect_same_mean(average(Subject(scene, samples), samples), expected);
+}
+
+TEST_F(SoftLamps, WhittedRefuses) {
+  Scene soft = corner_with({LightKind::point}, 0.3), hard = corner_with({LightKind::point}, 0.0);
+  RenderPlan plan = path_settings(1, 1);
+  EXPECT_NE(kWhitted.unsupported_reason(plan, pack(soft)), "");
+  EXPECT_EQ(kWhitted.unsupported_reason(plan, pack(hard)), "");
+}
+
+} // namespace
+} // namespace wavepath::test
