@@ -24,6 +24,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/workspace/workspace.h"
+#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {
@@ -293,6 +294,7 @@ int run_scene(InfoCommandRequest& request) {
   const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);
   const Packing packing{
       .direct = direct_of(settings), .near = {view.position}, .lights = settings.lights, .mips = wants_mips(settings)};
+  settings.group_names = find_group_names(scene, settings.light_groups);
   const ScenePlan planned = plan(scene, packing);
   require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
   const PackedScene packed = pack(scene, packing);

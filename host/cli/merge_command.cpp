@@ -15,6 +15,7 @@
 #include "host/cli/report.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
+#include "host/film/group_layers.h"
 #include "host/passes/passes.h"
 #include "host/picture/files/picture_io.h"
 #include "host/render/denoised.h"
@@ -203,7 +204,7 @@ int run_merge(MergeCommandRequest& request) {
   const std::shared_ptr<Film> film = join_films(request.parts, info, warnings);
   for (const std::string& path : request.output.pictures) require_format(path, film->width, film->height);
   const Picture part = read_picture(first);
-  Picture picture = develop(*film, aovs_of(part), info.origin);
+  Picture picture = develop(*film, aovs_of(part), info.origin, group_names_of(read_attribute(first, kGroupsText)));
   if (find_channel(part, std::string(kShownPrefix) + "R") && !film->aovs.empty())
     add_denoised(picture, *film, kDenoiseOn); // filtered pictures do not add up: the sums are filtered anew
   add_passes_of(request.parts, part, picture);

@@ -20,6 +20,7 @@
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/scene/pack/features.h"
+#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
 #include "host/scene/scene_hash.h"
 
@@ -109,9 +110,10 @@ bool pose_others(const RenderCommandRequest& request, LoadedScene& loaded, Prepa
 }
 
 void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared, PackMemory* memory) {
-  const RenderPlan& settings = request.render.settings;
+  RenderPlan settings = request.render.settings;
   const DeviceInfo& device = prepared.device->info();
   Scene& scene = loaded.scene;
+  settings.group_names = prepared.group_names = find_group_names(scene, settings.light_groups);
   const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
@@ -122,6 +124,7 @@ void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepar
                   .lights = settings.lights,
                   .mips = wants_mips(settings),
                   .sources = !prepared.motion.here.instances.empty(),
+                  .light_groups = settings.light_groups,
                   .samplers = sampler_limits(settings, device)};
   for (const OtherDevice& other : prepared.others)
     packing.samplers = common_limits(packing.samplers, other.device->info());
@@ -142,6 +145,7 @@ void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
                     .training_paths = request.render.training_paths,
                     .guide_iterations = request.render.guide_iterations,
                     .fits = [&](const RenderPlan& way) { return prepared.memory->fits(way); }};
+  asked.settings.group_names = prepared.group_names;
   asked.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   PilotRunner pilots(*prepared.device, prepared.packed, prepared.view, *prepared.kernels, prepared.on_device);
   prepared.plan = decide(asked, prepared.packed, pilots.device_class(), &pilots);

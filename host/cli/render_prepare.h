@@ -33,6 +33,7 @@ struct Prepared {
   std::unique_ptr<TevViewer> viewer; // of --tev; null without
   View view;
   MotionPictures motion;
+  std::vector<std::string> group_names; // see RenderPlan
   std::optional<MemoryCheck> memory;
   PackedScene packed;
   SceneOnDevice on_device; // the scene as uploaded to `device`, shared by pilots and render

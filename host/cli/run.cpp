@@ -79,10 +79,10 @@ int run(int argument_count, const char* const* arguments) {
       "kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath. WAVEPATH_CACHE=FOLDER selects another folder, "
       "WAVEPATH_CACHE=off keeps none.");
   const std::string line = quote(argument_count, arguments);
-  const std::map<std::string, Command> commands = {{"render", add_render(app, line)}, {"view", add_view(app, line)},
-                                                   {"info", add_info(app)},           {"compare", add_compare(app)},
-                                                   {"bench", add_bench(app)},         {"merge", add_merge(app)},
-                                                   {"selftest", add_selftest(app)},   {"study", add_study(app, line)}};
+  const std::map<std::string, Command> commands = {
+      {"render", add_render(app, line)}, {"view", add_view(app, line)},   {"info", add_info(app)},
+      {"compare", add_compare(app)},     {"bench", add_bench(app)},       {"merge", add_merge(app)},
+      {"relight", add_relight(app)},     {"selftest", add_selftest(app)}, {"study", add_study(app, line)}};
 
   try {
     std::vector<std::string> words = spelled_out({arguments, arguments + argument_count});

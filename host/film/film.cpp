@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/film/exact_sum.h"
+#include "host/film/group_layers.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/film/film_types.h"
 
@@ -188,14 +189,16 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
-         same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths &&
-         has_probes == other.has_probes && quads == other.quads && (!has_probes || seed == other.seed);
+         same_bytes(aovs, other.aovs) && same_bytes(groups, other.groups) && same_bytes(splats, other.splats) &&
+         light_paths == other.light_paths && has_probes == other.has_probes && quads == other.quads &&
+         (!has_probes || seed == other.seed);
 }
 
 Film make_film(const FilmShape& shape) {
-  Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.replicates()), {}, {}};
+  Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.replicates()), {}, {}, {}};
   if (shape.aovs) film.aovs.resize(shape.entries());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
+  film.groups.resize(shape.entries() * shape.groups), film.group_count = shape.groups;
   film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
   film.probed.resize(shape.probe_count());
   for (std::uint32_t block = 0; block < film.probed.size(); ++block) {
@@ -231,6 +234,7 @@ void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
   for (std::size_t i = 0; i < film.aovs.size(); ++i) join(film.aovs[i], other.aovs[i]);
   for (std::size_t i = 0; i < film.splats.size(); ++i) join(film.splats[i], other.splats[i]);
+  for (std::size_t i = 0; i < film.groups.size(); ++i) join(film.groups[i], other.groups[i]);
   for (std::size_t r = 0; r < gpu::kReplicates; ++r) film.light_paths[r] += other.light_paths[r];
 }
 
@@ -256,6 +260,16 @@ glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
   if (b) join(all, *b);
   const glm::dvec3 mean = all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
   return mean + mean_splat(film, pixel);
+}
+
+glm::dvec3 mean_group(const Film& film, std::size_t pixel, std::uint32_t group) {
+  gpu::FilmPixel all = film.groups[pixel * film.group_count + group];
+  if (film.has_probes) {
+    const std::size_t block = block_of(film, pixel);
+    if (probed_pixel(film, block) == pixel)
+      join(all, film.groups[(film.shape().pixels() + block) * film.group_count + group]);
+  }
+  return all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
 }
 
 gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
@@ -301,7 +315,8 @@ PixelStatistics statistics(const Film& film, std::size_t pixel) {
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }
 
-Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin) {
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin,
+                const std::vector<std::string>& groups) {
   Picture picture{film.width, film.height, {}};
   std::vector<glm::vec3> means;
   means.reserve(std::size_t{film.width} * film.height);
@@ -309,6 +324,10 @@ Picture develop(const Film& film, const std::vector<std::string>& aovs, const gl
   add_channels(picture, "", "RGB", [&](std::size_t i, int c) { return means[i][c]; });
   add_channels(picture, "", "A", [](std::size_t, int) { return 1.0f; });
   for (const std::string& name : aovs) add_aov(picture, film, name, origin);
+  const std::vector<std::string> layers = group_layers(groups);
+  for (std::uint32_t g = 0; g < std::min<std::size_t>(film.group_count, groups.size()); ++g)
+    add_channels(picture, layers[g] + ".", "RGB", [&](std::size_t i, int c) { return mean_group(film, i, g)[c]; });
+  if (!groups.empty()) picture.texts.push_back(group_names_text(groups));
   return picture;
 }
 

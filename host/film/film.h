@@ -19,9 +19,10 @@ namespace wavepath {
 struct FilmShape {
   std::uint32_t width = 0, height = 0;
   bool aovs = false, splats = false;
-  bool has_probes = false; // see kernels/base/error_probes.h
-  std::uint32_t seed = 0;  // seed of the render, which picks the probed pixels
-  bool quads = false;      // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
+  bool has_probes = false;  // see kernels/base/error_probes.h
+  std::uint32_t seed = 0;   // seed of the render, which picks the probed pixels
+  bool quads = false;       // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
+  std::uint32_t groups = 0; // of lights, whose light has sums of its own
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   // Value of gpu::Frame::probes.
@@ -38,8 +39,9 @@ struct FilmShape {
   // Memory of all sums.
   std::uint64_t bytes() const {
     return replicates() * sizeof(gpu::FilmPixel) + (aovs ? entries() * sizeof(gpu::FilmAovs) : 0) +
-           (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);
+           (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0) + group_bytes();
   }
+  std::uint64_t group_bytes() const { return entries() * groups * sizeof(gpu::FilmPixel); }
   bool operator==(const FilmShape&) const = default;
 };
 
@@ -51,6 +53,10 @@ struct Film {
   std::vector<gpu::FilmPixel> pixels;
   std::vector<gpu::FilmAovs> aovs;     // empty without AOVs; probes have their own
   std::vector<gpu::SplatPixel> splats; // kReplicates for each pixel; empty unless the integrator has light paths
+  // Light of each group of lights: `group_count` for each pixel, then for each error probe. In integers the sums of all
+  // groups of a pixel add up to those of its replicates.
+  std::vector<gpu::FilmPixel> groups;
+  std::uint32_t group_count = 0;
   // Number of light paths of each replicate: one for each sample of all pixels. Each may have added light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
   bool has_probes = false;
@@ -59,7 +65,9 @@ struct Film {
   // Probed pixel of each block; empty without probes. It is a table because every access to a pixel needs it.
   std::vector<std::uint32_t> probed;
 
-  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads}; }
+  FilmShape shape() const {
+    return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count};
+  }
   bool operator==(const Film& other) const; // bit by bit
 };
 
@@ -85,9 +93,14 @@ void count_light_paths(Film& film);
 std::uint32_t sample_count(const Film& film, std::size_t pixel);
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 
-// Develops the film into a picture: channels R G B A, then those of `aovs` (values of --aov). `origin`: world position
-// of the device's origin, which is added to positions.
-Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
+// Develops the film into a picture: channels R G B A, then those of `aovs` (values of --aov), then those of groups of
+// lights, which have these names (see light_group_channels()). `origin`: world position of the device's origin, which
+// is added to positions.
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin,
+                const std::vector<std::string>& groups = {});
+
+// The light of a group that reaches a pixel; 0 without samples.
+glm::dvec3 mean_group(const Film& film, std::size_t pixel, std::uint32_t group);
 
 // Means of a pixel's AOVs over the samples of all its replicates.
 gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel);

@@ -38,17 +38,18 @@ MemoryPlan plan_memory(const RenderPlan& settings, const ScenePlan& scene, gpu::
   const IntegratorKind& kind = *settings.integrator;
   const FilmShape shape = film_shape(settings);
   FilmShape without_splats = shape;
-  without_splats.splats = false;
+  without_splats.splats = false, without_splats.groups = 0;
   const std::uint64_t film = without_splats.bytes();
   const TrainingScene training(scene, features);
   std::vector<MemoryItem> items = {
       {"film", film, MemoryLocation::both},
-      {"film of splats", shape.bytes() - film, MemoryLocation::both},
+      {"film of splats", shape.bytes() - film - shape.group_bytes(), MemoryLocation::both},
+      {"film of light groups", shape.group_bytes(), MemoryLocation::both},
       {"order of samples", is_adaptive(settings) ? shape.entries() * sizeof(std::uint32_t) : 0, MemoryLocation::both},
       {"frames", pixels * kind.bytes_per_pixel(settings)},
       {"learned lights", trains_lights(training, settings) ? kind.light_training_bytes : 0},
       {"learned sky", trains_sky(training, with_most_sky(settings, features)) ? kind.sky_training_bytes : 0},
-      {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryLocation::host},
+      {"picture", pixels * sizeof(float) * (4 + 3 * (settings.aovs.size() + shape.groups)), MemoryLocation::host},
       {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryLocation::host}};
   if (kind.items)
     for (const MemoryItem& item : kind.items(settings, scene, features)) items.push_back(item);

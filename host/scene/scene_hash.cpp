@@ -78,7 +78,7 @@ void add(Hash& hash, const Instance& instance) {
 }
 
 void add(Hash& hash, const PunctualLight& light) {
-  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent] = light;
+  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent, node] = light;
   hash.add(kind);
   hash.add(intensity);
   hash.add(position);

@@ -87,6 +87,9 @@ GPU_CONSTANT Feature kFeatureCameraModel = GPU_LOBE(17);
 GPU_CONSTANT Feature kFeatureAovsThrough = GPU_LOBE(21);
 // Punctual lights that have an extent, which rays can meet (kernels/light/soft_lamps.glsl).
 GPU_CONSTANT Feature kFeatureSoftLamps = GPU_LOBE(20);
+// Light is also added up by groups of lights (kernels/path/light_groups.glsl); kernels with this bit have more
+// bindings.
+GPU_CONSTANT Feature kFeatureLightGroups = GPU_LOBE(19);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

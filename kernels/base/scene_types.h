@@ -230,6 +230,18 @@ GPU_CONSTANT uint kPartDepthShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
 
+// Groups of lights (kFeatureLightGroups): words of a table. Its first words, then the groups of the lights by index, of
+// the materials, of the instances and of the triangles. The two last are there if nodes of meshes are told apart: the
+// group of a surface is the lesser of that of its material and that of its node.
+GPU_CONSTANT uint kBindGroupTable = 125u; // texels R32UI
+GPU_CONSTANT uint kGroupCount = 0u;       // number of groups
+GPU_CONSTANT uint kGroupEnvironment = 1u; // group of the environment
+GPU_CONSTANT uint kGroupMaterials = 2u;   // index of the first word of the materials
+GPU_CONSTANT uint kGroupInstances = 3u;   // of the instances; 0 = there are none. kNone: go by the triangle
+GPU_CONSTANT uint kGroupTriangles = 4u;   // of the triangles; 0 = there are none
+GPU_CONSTANT uint kGroupLights = 5u;      // the first word of the lights
+GPU_CONSTANT uint kMostLightGroups = 16u;
+
 // Of 2^n intervals there are 2^(n - kCutShift) cuts (host/scene/pack/intervals.h), and no more than 2^kMostCutBits.
 GPU_CONSTANT int kCutShift = 2, kMostCutBits = 9;
 

@@ -9,6 +9,7 @@
 layout(set = 0, binding = kBindFilm, std430) writeonly buffer FilmBlock { uvec4 film_words[]; };
 layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs, std430) buffer FilmAovBlock { FilmAovs film_aovs[]; };
+layout(set = 0, binding = kBindFilmGroups, std430) buffer FilmGroupBlock { FilmPixel film_groups[]; };
 #endif
 
 #endif

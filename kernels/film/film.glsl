@@ -7,16 +7,26 @@
 #include "kernels/film/records.glsl"
 #include "kernels/base/math.glsl"
 
-// `radiance` is finite.
-void add_sample(inout FilmPixel pixel, vec3 radiance) {
+// Adds light to the sums, which no count tells of. `radiance` is finite.
+void add_light(inout FilmPixel pixel, vec3 radiance) {
   uvec3 tops = (uvec3(pixel.tops) >> uvec3(0u, 8u, 16u)) & 0xffu;
   add_exactly(pixel.red, tops.r, radiance.r);
   add_exactly(pixel.green, tops.g, radiance.g);
   add_exactly(pixel.blue, tops.b, radiance.b);
   pixel.tops = tops.r | tops.g << 8u | tops.b << 16u;
+}
+
+// Counts a sample, all light of which has been added.
+void count_sample(inout FilmPixel pixel, vec3 radiance) {
   // The largest stays finite, though the sum may not be.
   pixel.largest = max(pixel.largest, min(radiance.r + radiance.g + radiance.b, kFar));
   pixel.count += 1u;
+}
+
+// `radiance` is finite.
+void add_sample(inout FilmPixel pixel, vec3 radiance) {
+  add_light(pixel, radiance);
+  count_sample(pixel, radiance);
 }
 
 // Running means: fields are averages over the samples so far, those of surfaces over the samples that hit one; which

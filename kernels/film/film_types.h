@@ -14,6 +14,9 @@ GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel, wit
 GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
 GPU_CONSTANT uint kBindSplats = 41u; // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them
 
+// Storage FilmPixel[], one a group for each entry: light of each group of lights (kFeatureLightGroups).
+GPU_CONSTANT uint kBindFilmGroups = 126u;
+
 // ---- film -----------------------------------------------------------------------------------------------------------
 // The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers).
 // Bit k of digit d weighs 2^(32 d + k - 149), so that every float is two whole digits. The two highest digits that any

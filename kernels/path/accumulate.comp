@@ -8,17 +8,31 @@
 #define BIND_PATHS
 #define BIND_FILM
 #define BIND_REUSE
+#define BIND_GROUPS
 #include "kernels/base/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/film/records.glsl"
 #include "kernels/base/math.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/reuse_gather.glsl"
 #include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
+
+// With groups of lights the sums of the picture take the light of each group apart. So they are the sums of all groups
+// to the last bit, which no sum of rounded sums would be.
+void add_groups(inout FilmPixel pixel, uint slot) {
+  vec3 radiance = vec3(0.0);
+  for (uint group = 0u; group < group_count(); ++group) {
+    vec3 light = group_light(group, slot);
+    add_light(pixel, light);
+    radiance += light;
+  }
+  count_sample(pixel, radiance);
+}
 
 // Adds samples first, first + step, ... of an entry to its sums in the film, which are read once and written once.
 void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint first, uint step_) {
@@ -27,9 +41,26 @@ void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint firs
   for (uint s = first; s < part.samples; s += step_) {
     uint slot = first_slot + s * part.entries;
     vec3 radiance = gathered_radiance(slot);
-    if (is_finite(radiance)) add_sample(pixel, radiance);
+    if (!is_finite(radiance)) continue;
+    if (HAS_LIGHT_GROUPS)
+      add_groups(pixel, slot);
+    else
+      add_sample(pixel, radiance);
   }
   store_film_pixel(offset, pixel);
+}
+
+// The sums of each group, over the samples of all replicates of the entry.
+void accumulate_groups(WavePart part, uint first_slot, uint film_index) {
+  uint groups = group_count();
+  for (uint group = 0u; group < groups; ++group) {
+    FilmPixel sums = film_groups[film_index * groups + group];
+    for (uint s = 0u; s < part.samples; ++s) {
+      uint slot = first_slot + s * part.entries;
+      if (is_finite(gathered_radiance(slot))) add_sample(sums, group_light(group, slot));
+    }
+    film_groups[film_index * groups + group] = sums;
+  }
 }
 
 void main() {
@@ -45,6 +76,7 @@ void main() {
       accumulate_replicate(part, first_slot, film_index * kReplicates + replicate,
                      (replicate + kReplicates - part.first_sample % kReplicates) % kReplicates, kReplicates);
   }
+  if (HAS_LIGHT_GROUPS) accumulate_groups(part, first_slot, film_index);
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < part.samples; ++s) {
     uint slot = first_slot + s * part.entries;

@@ -57,6 +57,11 @@ layout(set = 0, binding = kBindGuideRecords, std430) writeonly buffer ReuseBlock
 layout(set = 0, binding = kBindReuseTexels) uniform usamplerBuffer reuse_texels;
 #endif
 
+#ifdef BIND_GROUPS
+layout(set = 0, binding = kBindPathGroups, std430) buffer PathGroupBlock { float path_groups[]; };
+layout(set = 0, binding = kBindGroupTable) uniform usamplerBuffer group_table;
+#endif
+
 #ifdef BIND_SEEN
 layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
 #endif

@@ -14,10 +14,12 @@
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
 #define BIND_COUNTERS
+#define BIND_GROUPS
 #include "kernels/path/bindings.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/bodies.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -113,6 +115,7 @@ void end_ray(uint index, Hit hit) {
   path.radiance += contribution;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, shadow_ray.slot);
   store_radiance(shadow_ray.slot, path);
+  if (HAS_LIGHT_GROUPS) add_to_group(group_of_light(shadow_ray.light), shadow_ray.slot, contribution);
   bool is_direct = wave.bounce == 0u && pane_count == 0u; // a pane is a bounce
   if (has(kFeatureAovs) && is_direct) path_aovs[shadow_ray.slot].direct += contribution;
 }

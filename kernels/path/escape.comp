@@ -16,6 +16,7 @@
 #define BIND_COUNTERS
 #define BIND_SEEN
 #define BIND_GUIDE
+#define BIND_GROUPS
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/escape.glsl"
 #include "kernels/path/guide.glsl"

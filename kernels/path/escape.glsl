@@ -1,5 +1,5 @@
-// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT
-// and BIND_PATHS first.
+// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT,
+// BIND_PATHS and BIND_GROUPS first.
 #ifndef WAVEPATH_PATH_ESCAPE_GLSL
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
@@ -7,6 +7,7 @@
 #include "kernels/path/aovs_through.glsl"
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/lamps.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/sky_density.glsl"
@@ -29,8 +30,9 @@ void escape(Ray ray, inout PathState path) {
     light_pdf = learned_sky_pdf(before, 1.0) / float(light_samples_at(kLightSamples, before));
   }
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
-  add_radiance(path, slot,
-               path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_weight(path.bsdf_pdf));
+  vec3 light = path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_weight(path.bsdf_pdf);
+  add_radiance(path, slot, light);
+  if (HAS_LIGHT_GROUPS) add_to_group(group_of_environment(), slot, light);
 }
 
 #endif

@@ -8,12 +8,14 @@
 #define BIND_QUEUES
 #define BIND_COUNTERS
 #define BIND_REUSE
+#define BIND_GROUPS
 #include "kernels/path/bindings.glsl"
 #include "kernels/base/camera.glsl"
 #include "kernels/base/config.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/base/filter.glsl"
 #include "kernels/path/bodies.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/path/records.glsl"
@@ -47,6 +49,7 @@ void main() {
   store_path(slot, path);
   begin_bodies(slot);
   begin_reuse(slot);
+  if (HAS_LIGHT_GROUPS) clear_groups(slot);
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);
     path_aovs[slot].depth = 0.0;

@@ -7,6 +7,7 @@
 #include "kernels/light/emission.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/found_light.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/receiver.glsl"
 
 bool may_meet_lamps(PathState path) {
@@ -19,6 +20,11 @@ float lamp_weight(PathState path, Light light, uint index, uint slot, vec3 from)
   float pdf = light.probability * lamp_pdf(light, from);
   if (keeps_receivers()) pdf *= light_ratio(fetch_receiver(slot), index);
   return emission_weight(path.bsdf_pdf, pdf);
+}
+
+void add_lamp(inout PathState path, uint slot, uint index, vec3 light) {
+  add_radiance(path, slot, light);
+  if (HAS_LIGHT_GROUPS) add_to_group(group_of_light(index), slot, light);
 }
 
 // Spheres before the ray has gone `end` metres. They come last among the local lights.
@@ -34,7 +40,7 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
     Light light = fetch_light(i);
     vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
     if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_ - begun);
-    add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, from));
+    add_lamp(path, ray.slot, i, radiance * lamp_weight(path, light, i, ray.slot, from));
   }
 }
 
@@ -45,7 +51,7 @@ void meet_distant_lamps(Ray ray, inout PathState path) {
     Light light = fetch_light(i);
     if (!is_in_cone(light, ray.direction)) continue;
     vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, 0.0);
-    add_radiance(path, ray.slot, radiance * lamp_weight(path, light, i, ray.slot, ray.origin));
+    add_lamp(path, ray.slot, i, radiance * lamp_weight(path, light, i, ray.slot, ray.origin));
   }
 }
 

@@ -18,6 +18,7 @@
 #define BIND_SEEN
 #define BIND_GUIDE
 #define BIND_REUSE
+#define BIND_GROUPS
 #include "kernels/path/bindings.glsl"
 #include "kernels/base/dimensions.glsl"
 #include "kernels/light/emission.glsl"
@@ -26,6 +27,7 @@
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/guided.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
@@ -298,7 +300,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the surface shows its base colour; it is never sampled as a light.
-    add_radiance(path, slot, path.throughput * v.bsdf.base_color);
+    vec3 light = path.throughput * v.bsdf.base_color;
+    add_radiance(path, slot, light);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
     return;
   }
   vec3 emitted = surface_emission(surface, material, v.front);
@@ -309,7 +313,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (weighs && uses(kFeaturePanes)) offset = surface.position - fetch_receiver(slot).position;
     float light_pdf = solid_angle_pdf(pdf_area, offset, surface.geometric_normal);
     if (weighs && light_pdf > 0.0) light_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
-    add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
+    vec3 light = path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf);
+    add_radiance(path, slot, light);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
   }
 
   // Light samples, directions to the sky, and the next ray.

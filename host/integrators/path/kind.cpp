@@ -13,14 +13,15 @@
 #include "host/integrators/path/sky_histograms.h"
 #include "host/render/render.h"
 #include "host/render/settings/direct_sampling.h"
+#include "host/render/settings/light_groups.h"
 #include "host/render/settings/path_reuse.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 12> kSettings = {"hemisphere", "direct",  "lights",     "path sampling",
-                                                        "adaptive",   "guide",   "lens",       "denoise",
-                                                        "pixel",      "shutter", "terminator", "aov-through"};
+constexpr std::array<std::string_view, 13> kSettings = {
+    "hemisphere", "direct", "lights", "path sampling", "adaptive",    "guide",       "lens",
+    "denoise",    "pixel",  "shutter", "terminator",   "aov-through", "light-groups"};
 constexpr std::array<std::string_view, 2> kNotByAuto = {"guide", "pixel"}; // it tries guiding; and replays no path
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
@@ -38,6 +39,9 @@ void check(const RenderPlan& settings) {
                      "leave out --guide or --reuse");
   if (settings.hemisphere != gpu::kHemisphereCosine)
     throw UsageError("--reuse", "weighs diffuse directions by the cosine", "leave out --hemisphere uniform or --reuse");
+  if (records_groups(settings))
+    throw UsageError("--reuse", "does not tell from which light comes what neighbours found",
+                     "leave out --light-groups or --reuse");
 }
 
 std::vector<std::string> bias(const RenderPlan& settings, const RenderResult&) {
@@ -53,7 +57,8 @@ std::uint64_t slot_bytes(gpu::Feature features, const RenderPlan& settings, std:
   const DirectSampling sampling = direct_sampling(with_most_sky(settings, features), features);
   if (features & gpu::kFeatureEnvironmentMap || sampling.sky > 1)
     features |= features_of(settings) & gpu::kFeatureLearnedSky;
-  return bytes_per_path(features, kCapacityForShadowRays | kCapacityForSortedRays | more_capacity, sampling.queues());
+  return group_bytes_per_slot(settings) +
+         bytes_per_path(features, kCapacityForShadowRays | kCapacityForSortedRays | more_capacity, sampling.queues());
 }
 
 std::uint64_t bytes_per_slot(gpu::Feature features, const RenderPlan& settings) {
@@ -61,7 +66,8 @@ std::uint64_t bytes_per_slot(gpu::Feature features, const RenderPlan& settings) 
 }
 
 std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderPlan& settings) {
-  return {{"records for neighbours", bytes_per_slot(features, settings) - slot_bytes(features, settings, 0)}};
+  return {{"records for neighbours", bytes_per_slot(features, settings) - slot_bytes(features, settings, 0)},
+          {"light of groups", group_bytes_per_slot(settings)}};
 }
 
 std::vector<OmittedStage> omitted(const RenderPlan& settings) {
@@ -109,9 +115,9 @@ constinit const IntegratorKind kPath = {
     .start_kernels = start_kernels,
     .bytes_per_slot = bytes_per_slot,
     .largest_record =
-        [](const RenderPlan&) {
+        [](const RenderPlan& settings) {
           return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes,
-                                          gpu::kMostReuseTexels * sizeof(glm::uvec4)});
+                                          gpu::kMostReuseTexels * sizeof(glm::uvec4), group_bytes_per_slot(settings)});
         },
     .slot_items = slot_items,
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },

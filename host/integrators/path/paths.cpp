@@ -7,6 +7,7 @@
 #include "host/integrators/path/light_histograms.h"
 #include "host/integrators/path/sky_histograms.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/light_groups.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -146,8 +147,9 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 }
 
 gpu::Feature film_features(const RenderPlan& settings) {
-  if (!records_aovs(settings)) return 0;
-  return gpu::kFeatureAovs | (settings.aov_through ? gpu::kFeatureAovsThrough : 0);
+  const gpu::Feature groups = records_groups(settings) ? gpu::kFeatureLightGroups : 0;
+  if (!records_aovs(settings)) return groups;
+  return groups | gpu::kFeatureAovs | (settings.aov_through ? gpu::kFeatureAovsThrough : 0);
 }
 
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t shadow_queues) {

@@ -123,7 +123,7 @@ std::vector<Binding> path_layout();
 // kFeature bits that a view and settings need in this scene.
 gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings);
 
-// kFeature bits of kernels that fill the film: those of the requested AOVs.
+// kFeature bits of kernels that fill the film: those of the requested AOVs and of groups of lights.
 gpu::Feature film_features(const RenderPlan& settings);
 
 // Bytes of state and queues of one path in flight. `options`: as in Paths::change().

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -42,6 +43,7 @@
 #include "host/picture/files/layers.h"
 #include "host/picture/picture_format.h"
 #include "kernels/base/frame_types.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/film/film_types.h"
 
 namespace wavepath {
@@ -117,8 +119,9 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 }
 
 // The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
-// there are any, then FilmAovs of error probes. Probes are stored where the probed pixels are; other pixels have zeros
-// in these channels, which take next to no space in a compressed file.
+// there are any, then FilmAovs of error probes, then FilmPixel of groups of lights and of their error probes. Probes
+// are stored where the probed pixels are; other pixels have zeros in these channels, which take next to no space in a
+// compressed file.
 constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
 constexpr const char* kWithProbes = "whole"; // value of the attribute wavepath.nets
@@ -127,19 +130,27 @@ constexpr const char* kQuads = "quads";      // of wavepath.shared: pixels that 
 std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
 std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}", kFilmPrefix, word); }
 std::string probe_channel(std::size_t word) { return fmt::format("{}second.{:02}", kFilmPrefix, word); }
+std::string group_channel(std::size_t word) { return fmt::format("{}group.{:03}", kFilmPrefix, word); }
+std::string group_probe_channel(std::size_t word) { return fmt::format("{}groupsecond.{:03}", kFilmPrefix, word); }
 std::vector<std::string> film_channels(const FilmShape& film) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kPixelWords + (film.aovs ? kAovWords : 0); ++i) names.push_back(film_channel(i));
   for (std::size_t i = 0; i < (film.splats ? kSplatWords : 0); ++i) names.push_back(splat_channel(i));
   for (std::size_t i = 0; i < (film.aovs && film.has_probes ? kAovWords : 0); ++i) names.push_back(probe_channel(i));
+  for (std::size_t i = 0; i < film.groups * kReplicateWords; ++i) {
+    names.push_back(group_channel(i));
+    if (film.has_probes) names.push_back(group_probe_channel(i));
+  }
   return names;
 }
 
 // The sums of error probes, stored where the probed pixels are.
 struct ProbeSums {
   explicit ProbeSums(const FilmShape& film)
-      : pixels(film.has_probes ? film.pixels() : 0), aovs(film.has_probes && film.aovs ? film.pixels() : 0) {}
-  std::vector<gpu::FilmPixel> pixels;
+      : pixels(film.has_probes ? film.pixels() : 0),
+        groups(film.has_probes ? film.pixels() * film.groups : 0),
+        aovs(film.has_probes && film.aovs ? film.pixels() : 0) {}
+  std::vector<gpu::FilmPixel> pixels, groups;
   std::vector<gpu::FilmAovs> aovs;
 };
 
@@ -172,6 +183,18 @@ void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
   }
   for (std::size_t i = 0; i < (film.splats.empty() ? 0 : kSplatWords); ++i)
     insert(splat_channel(i), words_of(film.splats) + i, kSplatWords);
+  const std::size_t group_words = film.group_count * kReplicateWords;
+  for (std::size_t i = 0; i < group_words; ++i) {
+    insert(group_channel(i), words_of(film.groups) + i, group_words);
+    if (film.has_probes) insert(group_probe_channel(i), words_of(probes.groups) + i, group_words);
+  }
+}
+
+// The sums of groups of the probe of a pixel, there and in the film.
+auto probe_groups(ProbeSums& probes, Film& film, std::size_t entry, std::size_t pixel) {
+  const std::size_t count = film.group_count;
+  return std::pair(std::span(probes.groups).subspan(pixel * count, count),
+                   std::span(film.groups).subspan(entry * count, count));
 }
 
 constexpr const char* kNamesAttribute = "wavepath.names"; // lines "ViewLayer.Combined.R=R", where they are not ours
@@ -351,6 +374,8 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
     for_each_probe(*info.film, [&](std::size_t entry, std::size_t pixel) {
       probes.pixels[pixel] = info.film->pixels[entry];
       if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[entry];
+      const auto [there, in_film] = probe_groups(probes, const_cast<Film&>(*info.film), entry, pixel);
+      std::ranges::copy(in_film, there.begin());
     });
   const auto pixels_of = [&](const PicturePart& part) {
     Imf::FrameBuffer pixels;
@@ -490,10 +515,15 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
     throw Error(path, "holds no film that this version can read", "render it again");
   shape.aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
   shape.splats = channels.findChannel(splat_channel(0)) != nullptr;
+  while (shape.groups < gpu::kMostLightGroups &&
+         channels.findChannel(group_channel(shape.groups * kReplicateWords)) != nullptr)
+    ++shape.groups;
   shape.has_probes = read_attribute(path, "wavepath.nets") == kWithProbes;
   shape.quads = read_attribute(path, "wavepath.shared") == kQuads;
   if (shape.has_probes) shape.seed = static_cast<std::uint32_t>(read_number(path, "wavepath.seed").value_or(0.0));
-  const std::uint64_t spread = shape.has_probes ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) : 0;
+  const std::uint64_t spread = shape.has_probes ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) +
+                                                      shape.groups * sizeof(gpu::FilmPixel)
+                                                : 0;
   require_memory(path, "reading its sums", shape.bytes() + shape.pixels() * spread, "use a smaller picture");
   const auto film = std::make_shared<Film>(make_film(shape));
   for (const std::string& name : film_channels(shape)) {
@@ -510,6 +540,8 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   for_each_probe(*film, [&](std::size_t entry, std::size_t pixel) {
     film->pixels[entry] = probes.pixels[pixel];
     if (!probes.aovs.empty()) film->aovs[entry] = probes.aovs[pixel];
+    const auto [there, in_film] = probe_groups(probes, *film, entry, pixel);
+    std::ranges::copy(there, in_film.begin());
   });
   count_light_paths(*film);
   return film;

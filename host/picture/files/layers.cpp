@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "host/film/group_layers.h"
+
 namespace wavepath {
 namespace {
 
@@ -55,6 +57,11 @@ std::string blender_name(const std::string& channel) {
     std::replace(name.begin() + static_cast<std::ptrdiff_t>(kViewLayer.size()), name.end(), '.', ' ');
     return name + ".X";
   }
+  if (layer.starts_with(kGroupPrefix)) // as Blender names its light groups
+    return name.append("Combined_")
+        .append(layer.substr(std::string_view(kGroupPrefix).size()))
+        .append(".")
+        .append(letter);
   const auto pass = std::ranges::find(kBlenderPasses, layer, [](const auto& pair) { return pair.first; });
   return name.append(pass == kBlenderPasses.end() ? layer : pass->second).append(".").append(letter);
 }
@@ -69,7 +76,7 @@ std::string written_name(LayerNames names, const std::string& channel) {
 
 bool is_colour(const std::string& channel) {
   const auto [layer, letter] = split(channel);
-  return is_rgba(letter) && std::ranges::count(kColourLayers, layer) > 0;
+  return is_rgba(letter) && (layer.starts_with(kGroupPrefix) || std::ranges::count(kColourLayers, layer) > 0);
 }
 
 std::vector<PicturePart> parts_of(const Picture& picture, bool has_sums, const WriteOptions& options) {

@@ -130,7 +130,7 @@ void RenderLoop::take_in_first() {
     result_.checkpoints.push_back(point);
     if (hooks_.checkpoint && film_) { // comparing with a reference is not rendering
       pause_clock();
-      hooks_.checkpoint(point, develop(*film_, settings_.aovs, workspace_.scene.origin));
+      hooks_.checkpoint(point, develop(*film_, settings_.aovs, workspace_.scene.origin, settings_.group_names));
       resume_clock();
     }
   }
@@ -174,7 +174,7 @@ void RenderLoop::publish() {
   pause_clock();
   RenderResult so_far = result_;
   so_far.film = film;
-  so_far.picture = develop(*film, settings_.aovs, workspace_.scene.origin);
+  so_far.picture = develop(*film, settings_.aovs, workspace_.scene.origin, settings_.group_names);
   so_far.spp = samples_per_pixel();
   so_far.stop = StopReason::interrupted;
   so_far.even = levels_.empty();
@@ -200,7 +200,7 @@ void RenderLoop::show() {
   const Film film = this->film();
   pause_clock();
   const Clock::time_point start = Clock::now();
-  hooks_.show(develop(film, settings_.aovs, workspace_.scene.origin));
+  hooks_.show(develop(film, settings_.aovs, workspace_.scene.origin, settings_.group_names));
   const Clock::duration taken = Clock::now() - start;
   next_show_ = Clock::now() + std::max<Clock::duration>(kShowInterval, kShowPause * taken);
   resume_clock();
@@ -254,7 +254,7 @@ RenderResult RenderLoop::finish() {
     whole.point.error = estimate_error(*film_);
     last_ = whole.point;
   }
-  result_.picture = develop(*film_, settings_.aovs, workspace_.scene.origin);
+  result_.picture = develop(*film_, settings_.aovs, workspace_.scene.origin, settings_.group_names);
   result_.spp = samples_per_pixel(); // samples of complete passes; a pass that was cut short has given some pixels more
   result_.nonfinite = queue_.totals.nonfinite;
   result_.seconds = last_.seconds;

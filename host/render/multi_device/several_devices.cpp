@@ -299,9 +299,10 @@ private:
     all.error = estimate_error(*film_);
     all.checkpoints.push_back({done_, seconds_, all.gpu_seconds, all.rays, all.error});
     all.slope = fit_slope(all.checkpoints, Against::seconds);
-    if (hooks_.checkpoint) hooks_.checkpoint(all.checkpoints.back(), develop(*film_, settings_.aovs, origin_));
+    if (hooks_.checkpoint)
+      hooks_.checkpoint(all.checkpoints.back(), develop(*film_, settings_.aovs, origin_, settings_.group_names));
     all.estimate_seconds += seconds_since(start);
-    if (hooks_.show) hooks_.show(develop(*film_, settings_.aovs, origin_));
+    if (hooks_.show) hooks_.show(develop(*film_, settings_.aovs, origin_, settings_.group_names));
     if (hooks_.publish && done_ < planned() && seconds_since(last_publish_) >= hooks_.publish_interval) {
       RenderResult interrupted = so_far();
       interrupted.stop = StopReason::interrupted;
@@ -317,7 +318,7 @@ private:
   RenderResult so_far() const {
     RenderResult all = result_.result;
     all.film = std::make_shared<const Film>(*film_);
-    all.picture = develop(*film_, settings_.aovs, origin_);
+    all.picture = develop(*film_, settings_.aovs, origin_, settings_.group_names);
     all.spp = done_;
     all.seconds = seconds_;
     all.even &= has_no_holes();

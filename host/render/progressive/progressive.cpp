@@ -173,6 +173,6 @@ double Progressive::seconds_to(double target) const {
   return std::max(end - now.seconds, 0.0);
 }
 
-Picture Progressive::picture() { return develop(film(), settings_.aovs, scene_->origin); }
+Picture Progressive::picture() { return develop(film(), settings_.aovs, scene_->origin, settings_.group_names); }
 
 } // namespace wavepath

@@ -1,6 +1,6 @@
-// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, its splats, and the
-// hash of all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist
-// for).
+// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, its splats, its
+// groups of lights, and the hash of all before it. Numbers are as the machine has them (little-endian on everything
+// that Vulkan drivers exist for).
 #include "host/render/report/state_file.h"
 
 #include <array>
@@ -101,7 +101,8 @@ Json describe(const std::string& identity, const std::string& device, const std:
           {"splats", !state.film.splats.empty()},
           {"whole_nets", state.film.has_probes},
           {"seed", state.film.seed},
-          {"quads", state.film.quads}};
+          {"quads", state.film.quads},
+          {"groups", state.film.group_count}};
 }
 
 RenderState state_from(const Json& json) {
@@ -167,6 +168,7 @@ void write_state(const std::string& path, const std::string& identity, const std
   write(state.film.pixels.data(), byte_count(state.film.pixels));
   write(state.film.aovs.data(), byte_count(state.film.aovs));
   write(state.film.splats.data(), byte_count(state.film.splats));
+  write(state.film.groups.data(), byte_count(state.film.groups));
   const std::uint64_t sum = checksum.value();
   file.write(&sum, sizeof(sum));
   file.commit();
@@ -186,14 +188,16 @@ StateRecord read_state(const std::string& path) try {
   const Json json = Json::parse(document);
   StateRecord record{json.at("identity"), json.at("device"), json.at("plan"), state_from(json)};
 
-  const FilmShape shape{json.at("size").at(0), json.at("size").at(1), json.at("aovs"),           json.at("splats"),
-                        json.at("whole_nets"), json.at("seed"),       json.value("quads", false)};
+  const FilmShape shape{json.at("size").at(0),      json.at("size").at(1),   json.at("aovs"),
+                        json.at("splats"),          json.at("whole_nets"),   json.at("seed"),
+                        json.value("quads", false), json.value("groups", 0u)};
   if (reader.left() != shape.bytes() + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   Film& film = record.state.film;
   film = make_film(shape);
   reader.read(film.pixels.data(), byte_count(film.pixels));
   reader.read(film.aovs.data(), byte_count(film.aovs));
   reader.read(film.splats.data(), byte_count(film.splats));
+  reader.read(film.groups.data(), byte_count(film.groups));
   count_light_paths(film);
   const std::uint64_t computed = reader.checksum();
   std::uint64_t recorded = 0;

@@ -1,12 +1,13 @@
 #include "host/render/settings/path_reuse.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_groups.h"
 
 namespace wavepath {
 
 bool may_reuse_paths(const RenderPlan& settings) {
   return supports(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
-         settings.hemisphere == gpu::kHemisphereCosine;
+         settings.hemisphere == gpu::kHemisphereCosine && !records_groups(settings);
 }
 
 bool reuses_paths(const RenderPlan& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }

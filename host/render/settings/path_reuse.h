@@ -6,7 +6,8 @@
 namespace wavepath {
 
 // True if a render with these settings can reuse paths. It cannot if directions are not drawn by the cosine, if
-// neighbouring paths see the scene at different times, or if no path scatters twice.
+// neighbouring paths see the scene at different times, if no path scatters twice, or with groups of lights: light that
+// neighbours found is not told apart.
 bool may_reuse_paths(const RenderPlan& settings);
 
 // True if the render reuses paths: --reuse on. The plan has replaced `auto` by `on` or `off`.

@@ -50,6 +50,8 @@ struct RenderPlan : RenderSettings {
   RenderPlan() = default;
   RenderPlan(const RenderSettings& settings) : RenderSettings(settings) {} // no decision made
 
+  // Names of the groups that light_groups makes in this scene (host/scene/pack/light_groups.h).
+  std::vector<std::string> group_names;
   Training training;
   KernelCapacity kernels;
   bool looks_for_noise = false;         // `adaptive` is `auto`: a pilot measures noise when the render begins

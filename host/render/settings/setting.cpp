@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/shell_quote.h"
 
 namespace wavepath {
 namespace {
@@ -122,7 +123,7 @@ std::string flag_text(const Setting& setting, const RenderSettings& settings) {
   const bool may_be_bare = choice && !choice->bare.empty();
   const bool is_switch = std::holds_alternative<SwitchValue>(setting.value) || (may_be_bare && value == choice->bare);
   if (value.empty() || (is_switch && value == "off") || (may_be_bare && is_default(setting, settings))) return "";
-  return is_switch ? fmt::format("--{}", setting.name) : fmt::format("--{} {}", setting.name, value);
+  return is_switch ? fmt::format("--{}", setting.name) : fmt::format("--{} {}", setting.name, shell_quoted(value));
 }
 
 bool is_default(const Setting& setting, const RenderSettings& settings) {

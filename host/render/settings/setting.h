@@ -115,7 +115,7 @@ std::string_view name_of(const IntegratorSetting& integrator);
 void read_setting(const Setting& setting, const std::string& text, RenderSettings& settings);
 // The value in the syntax of read_setting(), numbers with the fewest decimals that give the same bits; empty = not set.
 std::string text_of(const Setting& setting, const RenderSettings& settings);
-// The flag with the value: "--max-depth 4", "--denoise"; empty if it is not set.
+// The flag with the value, as a shell takes it: "--max-depth 4", "--denoise"; empty if it is not set.
 std::string flag_text(const Setting& setting, const RenderSettings& settings);
 bool is_default(const Setting& setting, const RenderSettings& settings);
 

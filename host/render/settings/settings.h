@@ -134,8 +134,9 @@ struct RenderSettings {
   std::uint32_t adaptive = kAdaptiveAuto; // more samples where a pilot found more noise (adaptive.h)
   bool guide = false;                     // path guiding: directions are also drawn from a trained field
   bool specialize = true;
-  std::vector<std::string> aovs; // values of --aov
-  bool aov_through = false;      // albedo and normal are those of what mirrors and smooth glass show
+  std::vector<std::string> aovs;         // values of --aov
+  bool aov_through = false;              // albedo and normal are those of what mirrors and smooth glass show
+  std::vector<std::string> light_groups; // names of --light-groups, or `each`; empty = none
 };
 
 } // namespace wavepath

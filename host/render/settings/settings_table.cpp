@@ -12,6 +12,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/pass_names.h"
 #include "host/render/settings/path_reuse.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 namespace {
@@ -69,6 +70,25 @@ void read_aovs(const FlagValue& value, S& settings) {
   names.insert(names.begin(), kPassNames.begin(), kPassNames.end());
   names.insert(names.begin(), kCommonAovs.begin(), kCommonAovs.end());
   settings.aovs = value.list(names);
+}
+
+// Names of lights are those of the scene, which is not known yet.
+void read_light_groups(const FlagValue& value, S& settings) {
+  std::vector<std::string> names;
+  for (std::size_t first = 0; first <= value.text.size();) {
+    const std::size_t end = std::min(value.text.find(',', first), value.text.size());
+    names.push_back(value.text.substr(first, end - first));
+    first = end + 1;
+  }
+  if (names.size() > gpu::kMostLightGroups)
+    value.refuse(fmt::format("names {} groups", names.size()), fmt::format("name at most {}", gpu::kMostLightGroups));
+  for (const std::string& name : names) {
+    if (name.empty()) value.refuse("has an empty name", "separate names of lights by single commas");
+    if (std::ranges::count(names, name) > 1)
+      value.refuse(fmt::format("names '{}' twice", name), "name every group once");
+    if (name == "each" && names.size() > 1) value.refuse("has other names besides each", "give each alone, or names");
+  }
+  settings.light_groups = std::move(names);
 }
 
 void read_size(const FlagValue& value, S& settings) {
@@ -174,6 +194,21 @@ std::vector<Setting> picture_rows() {
        .initial = "blackman-harris; box if --reference is box-filtered",
        .group = SettingGroup::picture,
        .offered = kByRenderAndView | kByStudy},
+      {.name = "light-groups",
+       .value = SpecialValue{read_light_groups,
+                             [](const S& s) { return fmt::format("{}", fmt::join(s.light_groups, ",")); }},
+       .meaning = "groups of lights, each of which gets a layer of its own in EXR files, group.NAME.R,G,B: names of "
+                  "nodes, lights or materials that shine, or environment, separated by commas. Other lights make a "
+                  "group rest. each: a group for every lamp, every material that shines and the environment. The "
+                  "layers add up to the picture, and 'wavepath relight' mixes them anew",
+       .placeholder = "NAMES|each",
+       .initial = "none",
+       .group = SettingGroup::picture,
+       .advanced = true,
+       .supported_by = SupportedBy::listed_else_refused,
+       .offered = kByRender,
+       // Without groups no record says so, as in renders that know nothing of them.
+       .identity = [](const S& s) { return fmt::format("{}", fmt::join(s.light_groups, ",")); }},
       // The film of a render with AOVs holds more sums, whichever AOVs are written.
       {.name = "aov",
        .value = SpecialValue{read_aovs, [](const S& s) { return fmt::format("{}", fmt::join(s.aovs, ",")); }},

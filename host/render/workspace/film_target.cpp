@@ -24,6 +24,9 @@ std::uint64_t aov_bytes(const FilmBand& band) { return band.entries() * sizeof(g
 std::uint64_t splat_bytes(const FilmBand& band) {
   return std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::SplatPixel);
 }
+std::uint64_t group_bytes(const FilmBand& band, const FilmShape& shape) {
+  return std::uint64_t{band.entries()} * shape.groups * sizeof(gpu::FilmPixel);
+}
 
 std::size_t row_major(std::uint32_t in_tile_order, const Film& film) {
   const glm::uvec2 at = gpu::pixel_in_tile_order(in_tile_order, film.width, film.height);
@@ -53,10 +56,10 @@ void to_rows(const T* values, std::uint32_t first, std::uint32_t count, std::siz
           [&](std::uint32_t i) { std::copy_n(&values[i * each], each, &rows[row_major(first + i, film) * each]); });
 }
 
-// The rows of a band's probes, which need no sorting.
+// The rows of a band's probes, `each` values a probe, which need no sorting.
 template <class T>
-auto* probes_of(const FilmBand& band, const Film& film, T& rows) {
-  return rows.data() + film.shape().pixels() + band.first_probe;
+auto* probes_of(const FilmBand& band, std::size_t each, const Film& film, T& rows) {
+  return rows.data() + (film.shape().pixels() + band.first_probe) * each;
 }
 
 template <class T>
@@ -70,7 +73,8 @@ void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Fil
     to_rows(values.data(), band.first_pixel + first, count, each, film, rows);
   });
   if (band.probe_count > 0)
-    buffer.read(probes_of(band, film, rows), band.probe_count * sizeof(T), band.pixel_count * sizeof(T));
+    buffer.read(probes_of(band, each, film, rows), band.probe_count * each * sizeof(T),
+                band.pixel_count * each * sizeof(T));
 }
 
 template <class T>
@@ -84,18 +88,21 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
     buffer.write(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
   });
   if (band.probe_count > 0)
-    buffer.write(probes_of(band, film, rows), band.probe_count * sizeof(T), band.pixel_count * sizeof(T));
+    buffer.write(probes_of(band, each, film, rows), band.probe_count * each * sizeof(T),
+                 band.pixel_count * each * sizeof(T));
 }
 
 } // namespace
 
 // A band is what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
 bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
+  bool moved = (shape_.groups > 0) != (shape.groups > 0); // kernels are bound to more, or to less
   shape_ = shape;
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_entries =
-      range / std::max<std::uint64_t>(replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
+      range / std::max<std::uint64_t>({replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs),
+                                       shape.groups * sizeof(gpu::FilmPixel)});
   std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_entries;
   if (shape.has_probes) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
@@ -104,7 +111,6 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
   }
   most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
-  bool moved = false;
   std::uint64_t first = 0;
   std::uint32_t first_probe = 0;
   for (FilmBand& band : bands_) {
@@ -119,6 +125,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
     moved |= reserve(*device_, band.film, film_bytes(band, shape));
     moved |= reserve(*device_, band.aovs, shape.aovs || capacity_for_aovs ? aov_bytes(band) : 0);
     moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band) : 0);
+    if (shape.groups > 0) moved |= reserve(*device_, band.groups, group_bytes(band, shape));
   }
   return moved;
 }
@@ -128,6 +135,7 @@ void FilmTarget::clear() {
     band.film.fill_zero(film_bytes(band, shape_));
     if (band.aovs.bytes()) band.aovs.fill_zero(aov_bytes(band));
     if (shape_.splats) band.splats.fill_zero(splat_bytes(band));
+    if (shape_.groups > 0) band.groups.fill_zero(group_bytes(band, shape_));
   }
 }
 
@@ -137,6 +145,7 @@ Film FilmTarget::download() const {
     read_rows(band, band.film, replicates_each(shape_), film, film.pixels);
     if (shape_.aovs) read_rows(band, band.aovs, 1, film, film.aovs);
     if (shape_.splats) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
+    if (shape_.groups > 0) read_rows(band, band.groups, shape_.groups, film, film.groups);
   }
   count_light_paths(film);
   return film;
@@ -155,12 +164,14 @@ void FilmTarget::upload(const Film& film) {
     write_rows(band, band.film, replicates_each(shape_), film, film.pixels);
     if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
     if (!film.splats.empty()) write_rows(band, band.splats, gpu::kReplicates, film, film.splats);
+    if (shape_.groups > 0) write_rows(band, band.groups, shape_.groups, film, film.groups);
   }
 }
 
 std::uint64_t FilmTarget::bytes() const {
   std::uint64_t sum = 0;
-  for (const FilmBand& band : bands_) sum += band.film.bytes() + band.aovs.bytes() + band.splats.bytes();
+  for (const FilmBand& band : bands_)
+    sum += band.film.bytes() + band.aovs.bytes() + band.splats.bytes() + band.groups.bytes();
   return sum;
 }
 
@@ -180,6 +191,7 @@ void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
     make(band.film, film_bytes(band, shape_));
     if (shape_.aovs) make(band.aovs, aov_bytes(band));
     if (shape_.splats) make(band.splats, splat_bytes(band));
+    if (shape_.groups > 0) make(band.groups, group_bytes(band, shape_));
   }
 }
 
@@ -193,6 +205,7 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
     copy(band.film, bands_[i].film, film_bytes(band, shape_));
     if (shape_.aovs) copy(band.aovs, bands_[i].aovs, aov_bytes(band));
     if (shape_.splats) copy(band.splats, bands_[i].splats, splat_bytes(band));
+    if (shape_.groups > 0) copy(band.groups, bands_[i].groups, group_bytes(band, shape_));
   }
 }
 
@@ -204,11 +217,12 @@ Film FilmSnapshot::read() const {
       buffer.invalidate();
       const T* values = static_cast<const T*>(buffer.mapped());
       to_rows(values, band.first_pixel, band.pixel_count, each, film, rows);
-      std::copy_n(values + band.pixel_count * each, band.probe_count, probes_of(band, film, rows));
+      std::copy_n(values + band.pixel_count * each, band.probe_count * each, probes_of(band, each, film, rows));
     };
     read(band.film, replicates_each(shape_), film.pixels);
     if (shape_.aovs) read(band.aovs, 1, film.aovs);
     if (shape_.splats) read(band.splats, gpu::kReplicates, film.splats);
+    if (shape_.groups > 0) read(band.groups, shape_.groups, film.groups);
   }
   count_light_paths(film);
   return film;

@@ -30,7 +30,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel |
-                   gpu::kFeatureSoftLamps));
+                   gpu::kFeatureSoftLamps | gpu::kFeatureLightGroups));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -39,8 +39,9 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const bool reuse = kernels_reuse_paths(settings, features);
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
-  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAovsThrough | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                      gpu::kFeatureLightCells | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
+  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAovsThrough | gpu::kFeatureAdaptive |
+                                      gpu::kFeatureSharedFirstHit | gpu::kFeatureLightCells |
+                                      gpu::kFeatureLearnedSky | gpu::kFeatureGuide | gpu::kFeatureLightGroups;
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightCells;

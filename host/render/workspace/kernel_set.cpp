@@ -10,6 +10,7 @@
 #include "host/gpu/commands.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/workspace/device_scene.h"
+#include "host/render/workspace/group_buffers.h"
 #include "kernels/base/frame_types.h"
 
 namespace wavepath {
@@ -41,7 +42,8 @@ bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
 
 // Bindings are what a set of other kernels cannot do with more or fewer of.
 bool KernelNeed::covers(const KernelNeed& need) const {
-  if ((config.features ^ need.config.features) & gpu::kFeatureSampledTextures) return false;
+  if ((config.features ^ need.config.features) & (gpu::kFeatureSampledTextures | gpu::kFeatureLightGroups))
+    return false;
   // Nor are stages mixed, of which some keep samplers and some look for them.
   if ((config.features ^ need.config.features) & gpu::kFeatureAdaptive) return false;
   KernelNeed reduced = *this;
@@ -99,6 +101,8 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
   const Clock::time_point start = Clock::now();
   std::vector<Binding> slots = need.program->layout();
   constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
+  if (config().features & gpu::kFeatureLightGroups)
+    for (const Binding& binding : group_layout()) slots.push_back(binding);
   const std::size_t buffers = slots.size();
   const bool samples = (config().features & gpu::kFeatureSampledTextures) != 0;
   std::optional<Buffer> dummy;

@@ -8,6 +8,7 @@
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_groups.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/probing.h"
 #include "host/render/settings/traversal.h"
@@ -93,7 +94,8 @@ FilmShape film_shape(const RenderPlan& settings) {
           .splats = settings.integrator->splats,
           .has_probes = has_error_probes(settings),
           .seed = settings.seed,
-          .quads = reuses_paths(settings)};
+          .quads = reuses_paths(settings),
+          .groups = records_groups(settings) ? static_cast<std::uint32_t>(settings.group_names.size()) : 0};
 }
 
 Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
@@ -122,6 +124,12 @@ bool Workspace::fit(const RenderPlan& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
   const std::uint64_t entries = features & gpu::kFeatureAdaptive ? film.shape().entries() : 0;
   moved |= reserve(device, entries_buffer_, entries * sizeof(std::uint32_t));
+  if (film.shape().groups > 0) {
+    moved |= reserve(device, groups_.paths, slots * group_bytes_per_slot(settings));
+    const std::uint64_t table_bytes = scene.light_groups.size() * sizeof(std::uint32_t);
+    moved |= reserve(device, groups_.table, table_bytes);
+    groups_.table.write(scene.light_groups.data(), table_bytes);
+  }
   frame_buffer_.write(&frame, sizeof(frame));
   entries_.clear();
   if (entries > 0) { // until samples are shared out
@@ -158,6 +166,8 @@ std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
                                    {gpu::kBindEntries, BindingKind::texels_r32ui, &entries_buffer_},
                                    {gpu::kBindCounters, BindingKind::storage, &counters_}});
   add_bindings(band, bindings);
+  if (film.shape().groups > 0)
+    for (const Binding& binding : group_bindings(groups_, band.groups)) bindings.push_back(binding);
   return bindings;
 }
 

@@ -8,6 +8,7 @@
 #include "host/render/settings/render_plan.h"
 #include "host/render/workspace/device_scene.h"
 #include "host/render/workspace/film_target.h"
+#include "host/render/workspace/group_buffers.h"
 #include "host/render/workspace/nonfinite.h"
 #include "host/scene/staging/view.h"
 #include "kernels/base/frame_types.h"
@@ -37,7 +38,10 @@ public:
 
   // Bindings that every kernel may use, with the film of `band`.
   std::vector<Binding> bindings(const FilmBand& band) const;
-  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + entries_buffer_.bytes(); }
+  std::uint64_t bytes() const {
+    return frame_buffer_.bytes() + counters_.bytes() + entries_buffer_.bytes() + groups_.table.bytes() +
+           groups_.paths.bytes();
+  }
 
   Device& device;
   const PackedScene& scene;
@@ -52,6 +56,7 @@ public:
 
 private:
   Buffer frame_buffer_, counters_, entries_buffer_;
+  GroupBuffers groups_;
   std::vector<std::uint32_t> entries_;
 };
 

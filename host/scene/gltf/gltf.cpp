@@ -234,6 +234,7 @@ void place_light(Import& import, std::size_t node_index) {
   const tinygltf::Light& source = import.document.model.lights[index];
   PunctualLight light;
   light.name = !source.name.empty() ? source.name : node.name;
+  light.node = static_cast<std::uint32_t>(node_index);
   light.kind = to_light_kind(import.document, source.type);
   glm::dvec3 color(1.0);
   for (std::size_t i = 0; i < 3 && i < source.color.size(); ++i) color[static_cast<int>(i)] = source.color[i];

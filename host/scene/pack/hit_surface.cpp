@@ -10,7 +10,11 @@ std::uint32_t node_of(const PackedScene& scene, const gpu::Hit& hit) {
     const std::uint32_t id = scene.instances[hit.instance].id;
     if (id != scene.once_instance) return scene.instance_nodes[id];
   }
-  const std::uint32_t id = scene.source_id(hit.triangle);
+  return node_of_once(scene, hit.triangle);
+}
+
+std::uint32_t node_of_once(const PackedScene& scene, std::uint32_t triangle) {
+  const std::uint32_t id = scene.source_id(triangle);
   const auto after = std::ranges::upper_bound(scene.node_runs, id, {}, &NodeRun::first_id);
   return after == scene.node_runs.begin() ? kNoIndex : std::prev(after)->node;
 }

@@ -13,6 +13,9 @@ namespace wavepath {
 // The node of the file that shows what was hit; kNoIndex where nothing was hit, or no node shows it.
 std::uint32_t node_of(const PackedScene& scene, const gpu::Hit& hit);
 
+// The same of a triangle of a mesh that is shown once.
+std::uint32_t node_of_once(const PackedScene& scene, std::uint32_t triangle);
+
 // Index into PackedScene::materials. `hit` is none of nothing.
 std::uint32_t material_of(const PackedScene& scene, const gpu::Hit& hit);
 

@@ -162,8 +162,9 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
 
 // The `range` of KHR_lights_punctual dims light by distance, of which the powers here take no account: they decide the
 // noise.
-void add_punctual(const Scene& scene, const PackedScene& packed, bool directional, double radius, LightList& list) {
-  for (const PunctualLight& source : scene.lights) {
+void add_punctual(const Scene& scene, bool directional, double radius, PackedScene& packed, LightList& list) {
+  for (std::uint32_t index = 0; index < scene.lights.size(); ++index) {
+    const PunctualLight& source = scene.lights[index];
     if ((source.kind == LightKind::directional) != directional) continue;
     gpu::Light light{};
     light.intensity = source.intensity;
@@ -188,7 +189,9 @@ void add_punctual(const Scene& scene, const PackedScene& packed, bool directiona
         power *= pi * radius * radius;
         break;
     }
-    if (power > 0.0 && std::isfinite(power)) add_light(scene, list, light, power);
+    if (!(power > 0.0) || !std::isfinite(power)) continue;
+    add_light(scene, list, light, power);
+    packed.lamp_sources.push_back(index);
   }
 }
 
@@ -283,9 +286,9 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   LightList list;
   const Emission emission = find_emission(packed, objects);
   if (!emission.empty()) add_triangles(scene, objects, object_of, emission, packed, list);
-  add_punctual(scene, packed, false, radius, list);
+  add_punctual(scene, false, radius, packed, list);
   list.ends[kLocal] = list.lights.size();
-  add_punctual(scene, packed, true, radius, list);
+  add_punctual(scene, true, radius, packed, list);
   list.ends[kDirectional] = list.lights.size();
   const bool sample_environment =
       environment_integral > 0.0 && (!packed.environment.empty() || direct == gpu::kDirectNee);

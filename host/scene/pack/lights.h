@@ -18,7 +18,7 @@ inline constexpr std::size_t kFewLights = 8;
 // took 3.6x squared error times seconds of learned lights, and the tree 2.5x (generated scene 8, benchmarks/regret.py).
 inline constexpr double kPlace = 1.0 / 8.0, kManyLocations = 8.0, kSmallPlace = 1.0 / 32.0, kManySmallPlaces = 16.0;
 
-// Fills packed.lights, environment_probability, Triangle::light and Instance::first_light.
+// Fills packed.lights, lamp_sources, environment_probability, Triangle::light and Instance::first_light.
 // `object_of`: object of each instance; empty for a scene of one object without instances. `environment_integral`: of
 // the environment's luminance over the sphere. `selection`: a kLights constant; unless it is by power, local lights get
 // a tree, with kLightsAuto only if there are more than kFewLights of them.

@@ -14,6 +14,7 @@
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/geometry.h"
 #include "host/scene/pack/instances.h"
+#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
 #include "host/scene/pack/pack_memory.h"
@@ -318,6 +319,8 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   else
     pack_geometry(scene, layout, device_from_world, before.objects, before.object_of, packed);
   pack_lights(scene, before.objects, before.object_of, before.environment, packing.direct, packing.lights, packed);
+  if (!packing.light_groups.empty())
+    pack_light_groups(find_light_groups(scene, packing.light_groups), layout.material_index, packed);
   packed.features = find_features(scene, layout.usage, packed);
   if (const gpu::Feature lobes = packed.features & gpu::kLobesAll) {
     for (std::size_t m = 0; m < scene.materials.size(); ++m)

@@ -100,6 +100,10 @@ struct PackedScene {
   Atlases atlases;                   // texels that the device's samplers look up
 
   std::vector<gpu::Light> lights; // lights that next-event estimation samples, the environment included
+  // By punctual light of `lights`: its index among those of the scene.
+  std::vector<std::uint32_t> lamp_sources;
+  // Table of groups of lights, as kernels read it (kBindGroupTable); empty unless the packing asks for groups.
+  std::vector<std::uint32_t> light_groups;
   // Parts of light triangles that are cut: see kernels/light/light_sampling.glsl.
   std::vector<std::uint32_t> light_parts;
   std::uint32_t local_light_count = 0; // number of lights with a location, which come first

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -24,6 +25,7 @@ struct Packing {
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
   bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
   bool sources = false; // PackedScene::sources are listed, for passes that follow surfaces to another pose
+  std::vector<std::string> light_groups{}; // value of --light-groups; empty = lights have no groups
   // The device's samplers look up textures, within these limits.
   std::optional<SamplerLimits> samplers{};
 };
