@@ -189,7 +189,8 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
-         same_bytes(aovs, other.aovs) && same_bytes(groups, other.groups) && same_bytes(splats, other.splats) &&
+         same_bytes(aovs, other.aovs) && same_bytes(groups, other.groups) &&
+         same_bytes(group_splats, other.group_splats) && same_bytes(splats, other.splats) &&
          light_paths == other.light_paths && has_probes == other.has_probes && quads == other.quads &&
          (!has_probes || seed == other.seed);
 }
@@ -199,6 +200,7 @@ Film make_film(const FilmShape& shape) {
   if (shape.aovs) film.aovs.resize(shape.entries());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
   film.groups.resize(shape.entries() * shape.groups), film.group_count = shape.groups;
+  if (shape.splats) film.group_splats.resize(shape.pixels() * shape.groups);
   film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
   film.probed.resize(shape.probe_count());
   for (std::uint32_t block = 0; block < film.probed.size(); ++block) {
@@ -235,6 +237,7 @@ void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.aovs.size(); ++i) join(film.aovs[i], other.aovs[i]);
   for (std::size_t i = 0; i < film.splats.size(); ++i) join(film.splats[i], other.splats[i]);
   for (std::size_t i = 0; i < film.groups.size(); ++i) join(film.groups[i], other.groups[i]);
+  for (std::size_t i = 0; i < film.group_splats.size(); ++i) join(film.group_splats[i], other.group_splats[i]);
   for (std::size_t r = 0; r < gpu::kReplicates; ++r) film.light_paths[r] += other.light_paths[r];
 }
 
@@ -269,7 +272,12 @@ glm::dvec3 mean_group(const Film& film, std::size_t pixel, std::uint32_t group) 
     if (probed_pixel(film, block) == pixel)
       join(all, film.groups[(film.shape().pixels() + block) * film.group_count + group]);
   }
-  return all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+  glm::dvec3 mean = all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+  std::uint64_t paths = 0;
+  for (const std::uint64_t of_replicate : film.light_paths) paths += of_replicate;
+  if (!film.group_splats.empty() && paths > 0)
+    mean += total_of(film.group_splats[pixel * film.group_count + group]) / static_cast<double>(paths);
+  return mean;
 }
 
 gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {

@@ -41,7 +41,9 @@ struct FilmShape {
     return replicates() * sizeof(gpu::FilmPixel) + (aovs ? entries() * sizeof(gpu::FilmAovs) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0) + group_bytes();
   }
-  std::uint64_t group_bytes() const { return entries() * groups * sizeof(gpu::FilmPixel); }
+  std::uint64_t group_bytes() const {
+    return groups * (entries() * sizeof(gpu::FilmPixel) + (splats ? pixels() * sizeof(gpu::SplatPixel) : 0));
+  }
   bool operator==(const FilmShape&) const = default;
 };
 
@@ -56,6 +58,7 @@ struct Film {
   // Light of each group of lights: `group_count` for each pixel, then for each error probe. In integers the sums of all
   // groups of a pixel add up to those of its replicates.
   std::vector<gpu::FilmPixel> groups;
+  std::vector<gpu::SplatPixel> group_splats; // of all replicates, `group_count` for each pixel; empty without splats
   std::uint32_t group_count = 0;
   // Number of light paths of each replicate: one for each sample of all pixels. Each may have added light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};

@@ -9,8 +9,10 @@
 #define BIND_PATHS
 #define BIND_COUNTERS
 #define BIND_CONNECTIONS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/records.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/base/pixel.glsl"
@@ -32,7 +34,9 @@ void main() {
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  path.radiance += ray.contribution * light_passed();
+  vec3 light = ray.contribution * light_passed();
+  path.radiance += light;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);
+  if (HAS_LIGHT_GROUPS) add_to_group(ray.group, ray.slot, light);
 }

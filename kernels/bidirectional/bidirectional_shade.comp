@@ -19,6 +19,7 @@
 #define BIND_LIGHT_VERTICES
 #define BIND_CONNECTIONS
 #define BIND_MERGE_WEIGHTS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/merging.glsl"
@@ -27,6 +28,7 @@
 #include "kernels/bidirectional/scattering.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/first_hit.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -129,6 +131,7 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
       target = candidate;
       picked = brightness;
       c.contribution = light;
+      c.group = HAS_LIGHT_GROUPS ? at.group : 0u;
       c.triangle = at.triangle;
       c.instance = at.instance;
     }
@@ -255,7 +258,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     PathWeights weights = fetch_weights(slot);
     float connect_pdf = pdf;
     if (was_chosen_there(weights)) connect_pdf *= environment_ratio(fetch_receiver(slot));
-    add_radiance(path, slot, path.throughput * radiance * hit_weight(weights, connect_pdf, pdf * disk_pdf(), merged));
+    vec3 light = path.throughput * radiance * hit_weight(weights, connect_pdf, pdf * disk_pdf(), merged);
+    add_radiance(path, slot, light);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_environment(), slot, light);
     return;
   }
 
@@ -274,7 +279,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) { // as in path/shade.comp: no light
-    if (hits) add_radiance(path, slot, path.throughput * v.bsdf.base_color);
+    if (!hits) return;
+    vec3 light = path.throughput * v.bsdf.base_color;
+    add_radiance(path, slot, light);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
     return;
   }
   float cosine = surface_cosine(v, v.wo);
@@ -289,7 +297,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     if (was_chosen_there(weights) && pdf > 0.0)
       connect_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
     float weight = hit_weight(weights, connect_pdf, pdf * triangle_direction_pdf(material, cosine), merged);
-    add_radiance(path, slot, path.throughput * emitted * weight);
+    vec3 light = path.throughput * emitted * weight;
+    add_radiance(path, slot, light);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
   }
 
   // Connections to a light and to the light path, and the next ray.

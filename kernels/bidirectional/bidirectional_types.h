@@ -55,8 +55,8 @@ struct LightVertex {
   float b2;
   float others;
   uint outside; // the body that its surface borders on (kLobeNested), kNone: the open
+  uint group;   // of lights (kFeatureLightGroups)
   uint pad0;
-  uint pad1;
 };
 GPU_CHECK(sizeof(LightVertex) == 64);
 
@@ -69,9 +69,9 @@ struct Connection {
   vec3 contribution;
   uint instance; // instance of that triangle
   uint pixel;    // pixel, in tile order, that gains the light; unused if the slot's path gains it
+  uint group;    // of lights (kFeatureLightGroups)
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 GPU_CHECK(sizeof(Connection) == 64);
 

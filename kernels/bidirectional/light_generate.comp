@@ -12,10 +12,12 @@
 #define BIND_QUEUES
 #define BIND_PATH_WEIGHTS
 #define BIND_LIGHT_VERTICES
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/path/bodies.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -40,6 +42,7 @@ void main() {
                              start.light, 1.0));
   store_weights(slot, start.weights);
   light_counts[slot] = 0u;
+  if (HAS_LIGHT_GROUPS) store_path_group(slot, shines ? group_of_light(start.index) : 0u);
   if (uses(kFeatureLightTree) || has_lobe(kFeatureSoftLamps)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);
   begin_outside(slot); // light_extend finds the bodies that hold the lamp
 }

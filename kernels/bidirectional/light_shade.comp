@@ -16,10 +16,12 @@
 #define BIND_PATH_WEIGHTS
 #define BIND_LIGHT_VERTICES
 #define BIND_CONNECTIONS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
 #include "kernels/bidirectional/projection.glsl"
 #include "kernels/bidirectional/receiver.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 
@@ -63,6 +65,7 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
   c.triangle = hit.triangle;
   c.instance = hit.instance;
   c.pixel = tile_order_of(pixel, frame.width, frame.height);
+  c.group = HAS_LIGHT_GROUPS ? path_group(slot) : 0u;
   return true;
 }
 
@@ -130,7 +133,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       uint vertex_index = light_counts[ray.slot]++;
       store_light_vertex(light_vertex_index(ray.slot, vertex_index),
                          LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1,
-                                     hit.b2, weights.others, outside, 0u, 0u));
+                                     hit.b2, weights.others, outside, HAS_LIGHT_GROUPS ? path_group(ray.slot) : 0u, 0u));
     }
   }
   if (wave.bounce < frame.max_depth) {

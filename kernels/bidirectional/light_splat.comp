@@ -10,9 +10,11 @@
 #define BIND_COUNTERS
 #define BIND_CONNECTIONS
 #define BIND_SPLATS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/film/splat.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/base/pixel.glsl"
 #include "kernels/base/records.glsl"
@@ -36,8 +38,10 @@ void main() {
   uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
   vec3 light = ray.contribution * light_passed();
-  if (max_component(light) < kLargestSplat)
+  if (max_component(light) < kLargestSplat) {
     splat(pixel * kReplicates + slot_sample(ray.slot) % kReplicates, light);
-  else
+    if (HAS_LIGHT_GROUPS) splat(band_pixels * kReplicates + pixel * group_count() + ray.group, light);
+  } else {
     count_nonfinite(kMakerConnect, ray.slot);
+  }
 }

@@ -11,12 +11,14 @@
 #define BIND_COUNTERS
 #define BIND_PHOTONS
 #define BIND_MERGE_WEIGHTS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/exact_total.glsl"
 #include "kernels/bidirectional/merging.glsl"
 #include "kernels/bidirectional/photons.glsl"
 #include "kernels/bidirectional/scattering.glsl"
 #include "kernels/path/crossing.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/base/pixel.glsl"
@@ -47,8 +49,9 @@ uint list_of(ivec3 lowest, uint k, uint replicate, out ivec3 cell) {
   return texelFetch(photon_cell_texels, int(cell_index(cell, replicate))).y;
 }
 
-// Sum over all photons near v of which the camera path has bounces left to take the light.
-vec3 gather(Vertex v, uint replicate) {
+// Sum over all photons near v of which the camera path has bounces left to take the light; with groups of lights over
+// those of one group.
+vec3 gather(Vertex v, uint replicate, uint group) {
   uvec4 red = uvec4(0u), green = uvec4(0u), blue = uvec4(0u);
   bool sound = true;
   ivec3 lowest = ivec3(floor(v.surface.position * photon_frame.cells_per_metre - 0.5)), cell;
@@ -64,7 +67,8 @@ vec3 gather(Vertex v, uint replicate) {
         photon = fetch_photon(next - 1u);
         found = is_near(v, photon) && cell_of(photon.position) == cell &&
                 (photon.link >> kPhotonBounceShift) + wave.bounce <= frame.max_depth &&
-                replicate_of_photon(next - 1u) == replicate;
+                replicate_of_photon(next - 1u) == replicate &&
+                (!HAS_LIGHT_GROUPS || photon.normal >> kPhotonGroupShift == group);
         next = photon.link & kPhotonIndexMask;
       }
     } while (!found && (next != 0u || cells < 8u));
@@ -99,7 +103,12 @@ void main() {
   vec3 throughput = path.throughput;
   if (has(kFeatureVolume))
     throughput *= medium_transmittance(current_body(ray.slot), length(surface.position - ray.origin));
-  path.radiance += throughput * gather(v, slot_sample(ray.slot) % kReplicates);
+  uint replicate = slot_sample(ray.slot) % kReplicates, sums = HAS_LIGHT_GROUPS ? group_count() : 1u;
+  for (uint group = 0u; group < sums; ++group) {
+    vec3 light = throughput * gather(v, replicate, group);
+    path.radiance += light;
+    if (HAS_LIGHT_GROUPS) add_to_group(group, ray.slot, light);
+  }
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);
 }

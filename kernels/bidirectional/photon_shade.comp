@@ -15,9 +15,11 @@
 #define BIND_PATH_WEIGHTS
 #define BIND_PHOTONS
 #define BIND_MERGE_WEIGHTS
+#define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
 #include "kernels/bidirectional/photons.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/path/queue.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -107,9 +109,10 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
     if (!after_delta || !bsdf_has_smooth(v.bsdf) || wave.bounce > kMostPhotonBounces) return false;
     vec3 light = path.radiance * path.throughput / (cosine * (1.0 - go));
     if (!is_finite(light)) return false;
+    uint normal = packSnorm4x8(vec4(v.surface.geometric_normal, 0.0));
+    if (HAS_LIGHT_GROUPS) normal |= path_group(ray.slot) << kPhotonGroupShift;
     keep_photon(ray.slot,
-                Photon(v.surface.position, packSnorm4x8(vec4(v.surface.geometric_normal, 0.0)), v.wo,
-                       wave.bounce << kPhotonBounceShift, light, weights.others),
+                Photon(v.surface.position, normal, v.wo, wave.bounce << kPhotonBounceShift, light, weights.others),
                 sample_2d(path_sampler, dimension + kDimensionLight).x);
     if (!lobes.delta_reflection) { // with a delta reflection, vertex_sample() makes the same choice by the same number
       path.throughput /= 1.0 - go;

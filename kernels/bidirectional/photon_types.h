@@ -33,7 +33,7 @@ GPU_CHECK(sizeof(PhotonFrame) == 32);
 
 struct Photon {
   vec3 position;
-  uint normal;    // geometric normal, packSnorm4x8
+  uint normal;    // geometric normal, packSnorm4x8 | group of lights << kPhotonGroupShift (kFeatureLightGroups)
   vec3 direction; // back along the light path, unit length
   uint link;  // surfaces met, this one included, << kPhotonBounceShift | index of the next photon of the cell + 1; 0 =
               // none
@@ -42,6 +42,7 @@ struct Photon {
 };
 GPU_CHECK(sizeof(Photon) == 48);
 GPU_CONSTANT uint kPhotonBounceShift = 20u, kPhotonIndexMask = (1u << kPhotonBounceShift) - 1u;
+GPU_CONSTANT uint kPhotonGroupShift = 24u; // above the three components of the normal
 GPU_CONSTANT uint kMostPhotonBounces = 4095u;
 
 struct PhotonCell {

@@ -12,7 +12,9 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindFilm = 16u;
 GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel, with probes one an entry (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
-GPU_CONSTANT uint kBindSplats = 41u; // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them
+// Storage SplatPixel[], kReplicates a pixel; behind them one a group for each pixel (kFeatureLightGroups): bound where
+// an integrator has them.
+GPU_CONSTANT uint kBindSplats = 41u;
 
 // Storage FilmPixel[], one a group for each entry: light of each group of lights (kFeatureLightGroups).
 GPU_CONSTANT uint kBindFilmGroups = 126u;

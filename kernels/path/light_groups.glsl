@@ -38,6 +38,12 @@ void add_to_group(uint group, uint slot, vec3 light) {
   for (uint c = 0u; c < 3u; ++c) path_groups[group_channel(group, c, slot)] += light[c];
 }
 
+// Behind them the number of the group of the light that a light path began at.
+uint path_group(uint slot) { return uint(path_groups[group_channel(group_count(), 0u, slot)]); }
+void store_path_group(uint slot, uint group) {
+  path_groups[group_channel(group_count(), 0u, slot)] = float(group);
+}
+
 // Before a path begins.
 void clear_groups(uint slot) {
   for (uint i = 0u; i < 3u * group_count(); ++i) path_groups[i * frame.slot_count + slot] = 0.0;

@@ -9,12 +9,14 @@
 #include "host/integrators/bidirectional/bidirectional.h"
 #include "host/integrators/path/light_histograms.h"
 #include "host/render/loop/render_result.h"
+#include "host/render/settings/light_groups.h"
 #include "host/scene/pack/features.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "lights", "techniques", "lens", "denoise"};
+constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "lights",  "techniques",
+                                                       "lens",       "denoise", "light-groups"};
 constexpr std::array<std::string_view, 1> kNotByAuto = {"techniques"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
@@ -88,15 +90,17 @@ constinit const IntegratorKind kBidirectional = {
     .bytes_per_slot =
         [](gpu::Feature features, const RenderPlan& settings) {
           if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
-          return bytes_per_path(features, kCapacityForShadowRays) +
+          return group_bytes_per_slot(settings) + bytes_per_path(features, kCapacityForShadowRays) +
                  light_bytes_per_slot(settings, asks_for_photons(settings));
         },
     .largest_record =
         [](const RenderPlan& settings) {
-          return std::max<std::uint64_t>(light_vertex_bytes_per_slot(settings), sizeof(gpu::PathAovs));
+          return std::max<std::uint64_t>(
+              {light_vertex_bytes_per_slot(settings), sizeof(gpu::PathAovs), group_bytes_per_slot(settings)});
         },
     .slot_items = [](gpu::Feature, const RenderPlan& settings) -> std::vector<MemoryItem> {
-      return {{"light vertices", light_vertex_bytes_per_slot(settings)}};
+      return {{"light vertices", light_vertex_bytes_per_slot(settings)},
+              {"light of groups", group_bytes_per_slot(settings)}};
     },
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = [](const RenderPlan&) { return std::uint64_t{0}; },

@@ -119,7 +119,8 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 }
 
 // The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
-// there are any, then FilmAovs of error probes, then FilmPixel of groups of lights and of their error probes. Probes
+// there are any, then FilmAovs of error probes, then FilmPixel of groups of lights and of their error probes, then
+// SplatPixel of groups. Probes
 // are stored where the probed pixels are; other pixels have zeros in these channels, which take next to no space in a
 // compressed file.
 constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
@@ -132,6 +133,7 @@ std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}"
 std::string probe_channel(std::size_t word) { return fmt::format("{}second.{:02}", kFilmPrefix, word); }
 std::string group_channel(std::size_t word) { return fmt::format("{}group.{:03}", kFilmPrefix, word); }
 std::string group_probe_channel(std::size_t word) { return fmt::format("{}groupsecond.{:03}", kFilmPrefix, word); }
+std::string group_splat_channel(std::size_t word) { return fmt::format("{}groupsplat.{:03}", kFilmPrefix, word); }
 std::vector<std::string> film_channels(const FilmShape& film) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kPixelWords + (film.aovs ? kAovWords : 0); ++i) names.push_back(film_channel(i));
@@ -141,6 +143,8 @@ std::vector<std::string> film_channels(const FilmShape& film) {
     names.push_back(group_channel(i));
     if (film.has_probes) names.push_back(group_probe_channel(i));
   }
+  for (std::size_t i = 0; i < (film.splats ? film.groups * gpu::kSplatWords : 0); ++i)
+    names.push_back(group_splat_channel(i));
   return names;
 }
 
@@ -188,6 +192,9 @@ void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
     insert(group_channel(i), words_of(film.groups) + i, group_words);
     if (film.has_probes) insert(group_probe_channel(i), words_of(probes.groups) + i, group_words);
   }
+  const std::size_t splat_words = film.group_splats.empty() ? 0 : film.group_count * gpu::kSplatWords;
+  for (std::size_t i = 0; i < splat_words; ++i)
+    insert(group_splat_channel(i), words_of(film.group_splats) + i, splat_words);
 }
 
 // The sums of groups of the probe of a pixel, there and in the film.

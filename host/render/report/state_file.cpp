@@ -169,6 +169,7 @@ void write_state(const std::string& path, const std::string& identity, const std
   write(state.film.aovs.data(), byte_count(state.film.aovs));
   write(state.film.splats.data(), byte_count(state.film.splats));
   write(state.film.groups.data(), byte_count(state.film.groups));
+  write(state.film.group_splats.data(), byte_count(state.film.group_splats));
   const std::uint64_t sum = checksum.value();
   file.write(&sum, sizeof(sum));
   file.commit();
@@ -198,6 +199,7 @@ StateRecord read_state(const std::string& path) try {
   reader.read(film.aovs.data(), byte_count(film.aovs));
   reader.read(film.splats.data(), byte_count(film.splats));
   reader.read(film.groups.data(), byte_count(film.groups));
+  reader.read(film.group_splats.data(), byte_count(film.group_splats));
   count_light_paths(film);
   const std::uint64_t computed = reader.checksum();
   std::uint64_t recorded = 0;

@@ -9,6 +9,7 @@
 
 #include "host/film/error.h"
 #include "host/film/film.h"
+#include "host/film/group_layers.h"
 #include "host/plan/bvh_quality.h"
 #include "host/plan/record.h"
 #include "host/render/report/diagnosis.h"
@@ -163,6 +164,23 @@ Json frame_json(const FrameReport& frame) {
           {"built_triangles", frame.built_triangles}};
 }
 
+// Each group of lights, its layer, and its share of the picture's light.
+Json groups_json(const RenderPlan& settings, const Film& film) {
+  const std::vector<std::string> layers = group_layers(settings.group_names);
+  std::vector<double> sums(film.group_count);
+  double all = 0.0;
+  for (std::uint32_t g = 0; g < film.group_count; ++g)
+    for (std::size_t pixel = 0; pixel < film.shape().pixels(); ++pixel) {
+      const double light = glm::dot(mean_group(film, pixel, g), glm::dvec3(0.2126, 0.7152, 0.0722));
+      sums[g] += light, all += light;
+    }
+  Json groups = Json::array();
+  for (std::uint32_t g = 0; g < film.group_count; ++g)
+    groups.push_back(
+        {{"name", settings.group_names[g]}, {"layer", layers[g]}, {"share", all > 0.0 ? Json(sums[g] / all) : Json()}});
+  return groups;
+}
+
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderPlan& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
@@ -315,6 +333,7 @@ Json stats_document(const Run& run) {
       {"gpu_seconds", result.gpu_seconds},
       {"stages", stages}};
   if (run.frame) document["frame"] = frame_json(*run.frame);
+  if (!settings.group_names.empty() && result.film) document["light_groups"] = groups_json(settings, *result.film);
   return document;
 }
 

@@ -9,7 +9,7 @@ bool records_groups(const RenderPlan& settings) {
 }
 
 std::uint64_t group_bytes_per_slot(const RenderPlan& settings) {
-  return records_groups(settings) ? 3 * sizeof(float) * settings.group_names.size() : 0;
+  return records_groups(settings) ? sizeof(float) * (3 * settings.group_names.size() + 1) : 0;
 }
 
 } // namespace wavepath

@@ -21,8 +21,12 @@ std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
   return band.entries() * replicates_each(shape) * sizeof(gpu::FilmPixel);
 }
 std::uint64_t aov_bytes(const FilmBand& band) { return band.entries() * sizeof(gpu::FilmAovs); }
+// Of the picture, and behind them of its groups of lights.
 std::uint64_t splat_bytes(const FilmBand& band) {
   return std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::SplatPixel);
+}
+std::uint64_t splat_bytes(const FilmBand& band, const FilmShape& shape) {
+  return std::uint64_t{band.pixel_count} * (gpu::kReplicates + shape.groups) * sizeof(gpu::SplatPixel);
 }
 std::uint64_t group_bytes(const FilmBand& band, const FilmShape& shape) {
   return std::uint64_t{band.entries()} * shape.groups * sizeof(gpu::FilmPixel);
@@ -63,13 +67,15 @@ auto* probes_of(const FilmBand& band, std::size_t each, const Film& film, T& row
 }
 
 template <class T>
-void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Film& film, std::vector<T>& rows) {
+void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Film& film, std::vector<T>& rows,
+               std::uint64_t first_byte = 0) {
   std::vector<T> values;
-  const auto* const there = static_cast<const T*>(buffer.in_place());
+  const auto* there = static_cast<const T*>(buffer.in_place());
+  if (there) there += first_byte / sizeof(T);
   in_pieces(band.pixel_count, [&](std::uint32_t first, std::uint32_t count) {
     if (there) return to_rows(there + first * each, band.first_pixel + first, count, each, film, rows);
     values.resize(count * each);
-    buffer.read(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
+    buffer.read(values.data(), values.size() * sizeof(T), first_byte + first * each * sizeof(T));
     to_rows(values.data(), band.first_pixel + first, count, each, film, rows);
   });
   if (band.probe_count > 0)
@@ -78,14 +84,15 @@ void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Fil
 }
 
 template <class T>
-void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Film& film, const std::vector<T>& rows) {
+void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Film& film, const std::vector<T>& rows,
+                std::uint64_t first_byte = 0) {
   std::vector<T> values;
   in_pieces(band.pixel_count, [&](std::uint32_t first, std::uint32_t count) {
     values.resize(count * each);
     for_all(count, [&](std::uint32_t i) {
       std::copy_n(&rows[row_major(band.first_pixel + first + i, film) * each], each, &values[i * each]);
     });
-    buffer.write(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
+    buffer.write(values.data(), values.size() * sizeof(T), first_byte + first * each * sizeof(T));
   });
   if (band.probe_count > 0)
     buffer.write(probes_of(band, each, film, rows), band.probe_count * each * sizeof(T),
@@ -102,7 +109,8 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_entries =
       range / std::max<std::uint64_t>({replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs),
-                                       shape.groups * sizeof(gpu::FilmPixel)});
+                                       shape.groups * sizeof(gpu::FilmPixel),
+                                       shape.splats ? (gpu::kReplicates + shape.groups) * sizeof(gpu::SplatPixel) : 0});
   std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_entries;
   if (shape.has_probes) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
@@ -124,7 +132,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
     moved |= reserve(*device_, band.film, film_bytes(band, shape));
     moved |= reserve(*device_, band.aovs, shape.aovs || capacity_for_aovs ? aov_bytes(band) : 0);
-    moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band) : 0);
+    moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band, shape) : 0);
     if (shape.groups > 0) moved |= reserve(*device_, band.groups, group_bytes(band, shape));
   }
   return moved;
@@ -134,7 +142,7 @@ void FilmTarget::clear() {
   for (FilmBand& band : bands_) {
     band.film.fill_zero(film_bytes(band, shape_));
     if (band.aovs.bytes()) band.aovs.fill_zero(aov_bytes(band));
-    if (shape_.splats) band.splats.fill_zero(splat_bytes(band));
+    if (shape_.splats) band.splats.fill_zero(splat_bytes(band, shape_));
     if (shape_.groups > 0) band.groups.fill_zero(group_bytes(band, shape_));
   }
 }
@@ -146,6 +154,8 @@ Film FilmTarget::download() const {
     if (shape_.aovs) read_rows(band, band.aovs, 1, film, film.aovs);
     if (shape_.splats) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
     if (shape_.groups > 0) read_rows(band, band.groups, shape_.groups, film, film.groups);
+    if (!film.group_splats.empty())
+      read_rows(band, band.splats, shape_.groups, film, film.group_splats, splat_bytes(band));
   }
   count_light_paths(film);
   return film;
@@ -165,6 +175,8 @@ void FilmTarget::upload(const Film& film) {
     if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
     if (!film.splats.empty()) write_rows(band, band.splats, gpu::kReplicates, film, film.splats);
     if (shape_.groups > 0) write_rows(band, band.groups, shape_.groups, film, film.groups);
+    if (!film.group_splats.empty())
+      write_rows(band, band.splats, shape_.groups, film, film.group_splats, splat_bytes(band));
   }
 }
 
@@ -190,7 +202,7 @@ void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
     };
     make(band.film, film_bytes(band, shape_));
     if (shape_.aovs) make(band.aovs, aov_bytes(band));
-    if (shape_.splats) make(band.splats, splat_bytes(band));
+    if (shape_.splats) make(band.splats, splat_bytes(band, shape_));
     if (shape_.groups > 0) make(band.groups, group_bytes(band, shape_));
   }
 }
@@ -204,7 +216,7 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
     };
     copy(band.film, bands_[i].film, film_bytes(band, shape_));
     if (shape_.aovs) copy(band.aovs, bands_[i].aovs, aov_bytes(band));
-    if (shape_.splats) copy(band.splats, bands_[i].splats, splat_bytes(band));
+    if (shape_.splats) copy(band.splats, bands_[i].splats, splat_bytes(band, shape_));
     if (shape_.groups > 0) copy(band.groups, bands_[i].groups, group_bytes(band, shape_));
   }
 }
@@ -213,9 +225,10 @@ Film FilmSnapshot::read() const {
   Film film = make_film(shape_);
   for (const FilmBand& band : bands_) {
     if (band.pixel_count == 0) continue;
-    const auto read = [&]<class T>(const Buffer& buffer, std::size_t each, std::vector<T>& rows) {
+    const auto read = [&]<class T>(const Buffer& buffer, std::size_t each, std::vector<T>& rows,
+                                   std::uint64_t first_byte = 0) {
       buffer.invalidate();
-      const T* values = static_cast<const T*>(buffer.mapped());
+      const T* values = static_cast<const T*>(buffer.mapped()) + first_byte / sizeof(T);
       to_rows(values, band.first_pixel, band.pixel_count, each, film, rows);
       std::copy_n(values + band.pixel_count * each, band.probe_count * each, probes_of(band, each, film, rows));
     };
@@ -223,6 +236,7 @@ Film FilmSnapshot::read() const {
     if (shape_.aovs) read(band.aovs, 1, film.aovs);
     if (shape_.splats) read(band.splats, gpu::kReplicates, film.splats);
     if (shape_.groups > 0) read(band.groups, shape_.groups, film.groups);
+    if (!film.group_splats.empty()) read(band.splats, shape_.groups, film.group_splats, splat_bytes(band));
   }
   count_light_paths(film);
   return film;

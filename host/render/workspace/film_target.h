@@ -15,7 +15,8 @@ struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
   std::uint32_t first_probe = 0, probe_count = 0; // range of blocks whose probes it has
   std::uint32_t picture_pixels = 0;               // pixels of all bands, which is the entry of the first probe
-  Buffer film, aovs, splats, groups;              // may be larger than needed
+  // May be larger than needed. Behind the splats of the picture are those of its groups of lights.
+  Buffer film, aovs, splats, groups;
 
   std::uint32_t entries() const { return pixel_count + probe_count; }
   // Offset within the band of the sums of an entry.
