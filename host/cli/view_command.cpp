@@ -27,6 +27,7 @@
 #include "host/render/settings/textures.h"
 #include "host/render/workspace/light_training.h"
 #include "host/scene/pack/features.h"
+#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
 #include "host/scene/staging/environment.h"
 #include "host/view/comparison_choice.h"
@@ -117,15 +118,19 @@ public:
                 .near = {view.position},
                 .lights = settings.lights,
                 .mips = wants_mips(expected),
+                .light_groups = settings.light_groups,
                 .samplers = sampler_limits(settings, device)};
+    expected.group_names = find_group_names(scene_, settings.light_groups);
+    RenderPlan planned = settings;
+    planned.group_names = expected.group_names;
     MemoryCheck(request.scene.path, plan(scene_, packing_), expected_features(scene_, packing_.direct), device)
-        .require(settings);
+        .require(planned);
     packed_ = pack(scene_, packing_);
     packing_.eye = packed_.origin; // whatever is packed later stands where this does
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     // A copied command renders what the window shows: nothing is left for pilots to decide.
-    RenderPlan shown = as_told(settings);
+    RenderPlan shown = as_told(planned);
     // A window begins anew whenever the camera moves: no training unless asked for.
     if (shown.lights == gpu::kLightsAuto)
       shown.lights = packed_.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
@@ -219,6 +224,8 @@ private:
     const bool room_lamp = open_.loaded.room_lamp;
     try {
       relight(wanted, open_.loaded);
+      if (find_group_names(scene_, packing_.light_groups) != progressive_->settings().group_names)
+        throw Error("--light-groups", "has other groups under this environment", "begin another window for it");
       show(pack(scene_, packing_));
     } catch (...) {
       scene_.environment = before;

@@ -335,7 +335,7 @@ Picture develop(const Film& film, const std::vector<std::string>& aovs, const gl
   const std::vector<std::string> layers = group_layers(groups);
   for (std::uint32_t g = 0; g < std::min<std::size_t>(film.group_count, groups.size()); ++g)
     add_channels(picture, layers[g] + ".", "RGB", [&](std::size_t i, int c) { return mean_group(film, i, g)[c]; });
-  if (!groups.empty()) picture.texts.push_back(group_names_text(groups));
+  if (film.group_count > 0 && !groups.empty()) picture.texts.push_back(group_names_text(groups));
   return picture;
 }
 

@@ -100,6 +100,22 @@ void show_view(PanelState& state) {
   choice("tone curve", kTonemapNames, display.tonemap);
 }
 
+constexpr float kMostGain = 16.0f;
+
+void show_light_groups(PanelState& state) {
+  const std::vector<std::string>& names = state.settings.group_names;
+  std::vector<float>& gains = state.display.group_gains;
+  gains.resize(names.size(), 1.0f);
+  for (std::size_t g = 0; g < names.size(); ++g) {
+    label(names[g].c_str());
+    ImGui::PushID(static_cast<int>(g));
+    ImGui::SliderFloat("##gain", &gains[g], 0.0f, kMostGain, "%.2f",
+                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    ImGui::PopID();
+  }
+  if (state.display.mixes() && ImGui::Button("all 1")) std::ranges::fill(gains, 1.0f);
+}
+
 void show_shadows(PanelState& state, const PanelFacts& facts) {
   ComparisonChoice& comparison = state.comparison;
   label("split screen");
@@ -218,6 +234,7 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     ImGui::TextDisabled("%s", facts.device.c_str());
     show_statistics(state, facts);
     if (section("picture")) show_view(state);
+    if (!state.settings.group_names.empty() && section("light groups")) show_light_groups(state);
     if (supports(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
     if (section("light transport")) show_transport(state, wishes);
     if (facts.sets_environment && section("environment", false)) show_environment(state, wishes);

@@ -12,6 +12,8 @@
 #include "host/base/error.h"
 #include "host/base/print.h"
 #include "host/picture/exposure.h"
+#include "host/picture/picture_format.h"
+#include "host/picture/relight.h"
 #include "host/render/progressive/shadow_comparison.h"
 #include "host/render/settings/settings_table.h"
 #include "host/scene/pack/pick.h"
@@ -72,6 +74,7 @@ private:
   void save_what_waits();
   bool resizing() const;
   void write(const std::string& path);
+  void mix_groups(const std::string& path, Picture& picture) const;
   bool compares() const;
   // The map of errors is of both, and shown whole.
   bool splits() const { return comparison_ && panel_.comparison.split && panel_.display.shown != Shown::shadow_error; }
@@ -406,7 +409,17 @@ void Viewer::write(const std::string& path) {
     if (truth.width == picture.width && truth.height == picture.height)
       picture = split_picture(std::move(picture), truth, panel_.comparison.at);
   }
+  // An EXR keeps the groups apart, for `wavepath relight`.
+  if (display.mixes() && picture_format(path) != PictureFormat::exr) mix_groups(path, picture);
   request_.save(path, picture, display);
+}
+
+void Viewer::mix_groups(const std::string& path, Picture& picture) const {
+  const std::vector<std::string>& names = panel_.settings.group_names;
+  std::vector<GroupGain> gains;
+  for (std::size_t g = 0; g < names.size(); ++g)
+    gains.push_back({names[g], glm::dvec3(double{panel_.display.group_gains[g]})});
+  relight(path, names, gains, picture);
 }
 
 bool Viewer::compares() const {

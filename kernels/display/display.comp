@@ -16,6 +16,7 @@ layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs) uniform samplerBuffer film_aov_texels;
 layout(set = 0, binding = kBindFilmAovWords) uniform usamplerBuffer film_aov_words;
 layout(set = 0, binding = kBindSplats, std430) readonly buffer SplatBlock { uint splat_words[]; };
+layout(set = 0, binding = kBindFilmGroups, std430) readonly buffer FilmGroupBlock { FilmPixel film_groups[]; };
 layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { uint screen[]; };
 
 float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
@@ -46,6 +47,30 @@ vec4 fetch_sum(uint index) {
                   value_of(texelFetch(film_texels, texel + 2), (count_tops.y >> 16u) & 0xffu));
   if (job.splats != 0u) sum += fetch_splats(index);
   return vec4(sum, float(count_tops.x));
+}
+
+float gain_of(uint group) { return unpackHalf2x16(job.gains[group / 2u])[group % 2u]; }
+
+uvec4 words_of(ExactSum sum) { return uvec4(sum.high[0], sum.high[1], sum.low[0], sum.low[1]); }
+
+// Light of all groups of lights, each by its gain, summed over the samples of an entry.
+vec3 mixed_sum(uint entry) {
+  vec3 sum = vec3(0.0);
+  for (uint group = 0u; group < job.groups; ++group) {
+    FilmPixel pixel = film_groups[entry * job.groups + group];
+    sum += gain_of(group) * vec3(value_of(words_of(pixel.red), pixel.tops & 0xffu),
+                                 value_of(words_of(pixel.green), (pixel.tops >> 8u) & 0xffu),
+                                 value_of(words_of(pixel.blue), (pixel.tops >> 16u) & 0xffu));
+  }
+  return sum;
+}
+
+// The same of light paths, of all replicates of a pixel.
+vec3 mixed_splats(uint pixel) {
+  vec3 sum = vec3(0.0);
+  uint first = job.film_pixel_count * kReplicates + pixel * job.groups;
+  for (uint group = 0u; group < job.groups; ++group) sum += gain_of(group) * fetch_splats(first + group);
+  return sum;
 }
 
 // Black, purple, orange, pale yellow, as sRGB: the colours of host/picture/error_map.cpp.
@@ -113,12 +138,14 @@ void main() {
   uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
   if (pixel >= job.film_pixel_count) return; // in another band
   vec4 a, b, sum;
+  uint probe = kNone; // entry of the pixel's probe
   if (job.probes != kProbesNone) {
     uint block = probe_block_of(film_at, job.film_width, job.film_height, job.probes);
     uvec2 probed_at = probed_pixel(block, job.film_width, job.film_height, job.seed, job.probes);
     uint probed = tile_order_of(probed_at, job.film_width, job.film_height) - job.first_film_pixel;
     a = fetch_sum(probed);
     b = fetch_sum(job.film_pixel_count + block - job.first_probe);
+    if (probed == pixel) probe = job.film_pixel_count + block - job.first_probe;
     sum = probed != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown without probes
   } else {
     a = fetch_sum(pixel * kReplicates);
@@ -126,6 +153,11 @@ void main() {
     sum = a + b;
   }
   if (sum.w == 0.0) return;
+  if (job.groups != 0u && job.shown == kShowColor) {
+    sum.rgb = mixed_sum(pixel);
+    if (probe != kNone) sum.rgb += mixed_sum(probe);
+    if (job.splats != 0u) sum.rgb += mixed_splats(pixel);
+  }
   uvec3 bytes = uvec3(clamp(encoded(pixel, sum, a, b), 0.0, 1.0) * 255.0 + 0.5);
   if (job.bgra != 0u) bytes = bytes.bgr;
   screen[index] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;

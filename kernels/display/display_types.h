@@ -39,6 +39,8 @@ struct DisplayJob {
   float gain;        // factor of radiance
   float range;       // value that is shown brightest, for quantities other than radiance
   uint first_column; // first column of the screen that is drawn
+  uint groups;       // number of groups of lights, which are mixed; 0 = the picture is shown as it is
+  uint gains[8];     // their gains: two halves a word, packHalf2x16
 };
 
 #ifdef __cplusplus

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/gtc/packing.hpp>
+
 #include "host/gpu/commands.h"
 #include "kernels/display/display.spv.h"
 
@@ -13,11 +15,13 @@ namespace {
 constexpr std::uint32_t kDispatchPixels = 1u << 18;
 static_assert(kDispatchPixels % gpu::kWorkgroupSize == 0);
 
-std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& splats, const Buffer& screen) {
+std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& splats, const Buffer& groups,
+                                 const Buffer& screen) {
   return {{gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film},
           {gpu::kBindFilmAovs, BindingKind::texels_rgba32f, &aovs},
           {gpu::kBindFilmAovWords, BindingKind::texels_rgba32ui, &aovs},
           {gpu::kBindSplats, BindingKind::storage, &splats},
+          {gpu::kBindFilmGroups, BindingKind::storage, &groups},
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
@@ -46,7 +50,7 @@ std::vector<std::string> aovs_for(Shown shown) {
 
 Display::Display(Device& device) : device_(device), pixels_(device, 0) {
   const Buffer dummy(device, 0);
-  const BindingSet bindings(device, bindings_of(dummy, dummy, dummy, dummy), sizeof(gpu::DisplayJob));
+  const BindingSet bindings(device, bindings_of(dummy, dummy, dummy, dummy, dummy), sizeof(gpu::DisplayJob));
   kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
 }
 
@@ -72,6 +76,11 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.seed = shape.seed;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
+  if (options.mixes() && options.group_gains.size() == shape.groups) {
+    job.groups = shape.groups;
+    for (std::uint32_t g = 0; g < shape.groups; ++g)
+      job.gains[g / 2] |= static_cast<std::uint32_t>(glm::packHalf1x16(options.group_gains[g])) << 16 * (g % 2);
+  }
   for (const FilmBand& band : film.bands()) {
     if (band.pixel_count == 0) continue;
     job.first_film_pixel = band.first_pixel;
@@ -95,7 +104,9 @@ void Display::show(const Picture& picture, bool bgra) {
 }
 
 void Display::draw_band(const FilmBand& band, gpu::DisplayJob job) {
-  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, band.splats, pixels_), sizeof(gpu::DisplayJob));
+  const Buffer& groups = job.groups > 0 ? band.groups : pixels_; // whichever: without groups nobody reads it
+  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, band.splats, groups, pixels_),
+                            sizeof(gpu::DisplayJob));
   Commands commands(device_);
   commands.bind(bindings);
   const std::uint32_t pixels = width_ * height_;

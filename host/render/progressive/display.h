@@ -2,6 +2,7 @@
 // image.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -56,6 +57,11 @@ struct DisplayOptions {
   double range =
       // Value that is shown brightest, for depth (metres), position (metres), samples, error, variance; 0 = automatic.
       0.0;
+  std::vector<float> group_gains; // of groups of lights, for colour; empty = all 1
+
+  bool mixes() const {
+    return std::ranges::any_of(group_gains, [](float gain) { return gain != 1.0f; });
+  }
 };
 
 class Display {

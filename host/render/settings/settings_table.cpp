@@ -206,7 +206,7 @@ std::vector<Setting> picture_rows() {
        .group = SettingGroup::picture,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,
-       .offered = kByRender,
+       .offered = kByRenderAndView,
        // Without groups no record says so, as in renders that know nothing of them.
        .identity = [](const S& s) { return fmt::format("{}", fmt::join(s.light_groups, ",")); }},
       // The film of a render with AOVs holds more sums, whichever AOVs are written.

@@ -15,7 +15,7 @@ constexpr std::size_t kMostNamesTold = 12;
 // Something that shines, and the names by which it can be asked for; an empty one is no name.
 struct LightSource {
   std::string first, second;
-  bool is_called(const std::string& name) const { return name == first || name == second; }
+  bool is_called(const std::string& name) const { return !name.empty() && (name == first || name == second); }
 };
 
 bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
