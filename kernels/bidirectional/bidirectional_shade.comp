@@ -199,7 +199,9 @@ void add_lamp(Ray ray, uint index, float distance_, float merged, inout PathStat
   if (was_chosen_there(weights)) pdf *= light_ratio(fetch_receiver(ray.slot), index);
   vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
   if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_);
-  add_radiance(path, ray.slot, radiance * hit_weight(weights, pdf, lamp_start_pdf(light, ray.origin), merged));
+  radiance *= hit_weight(weights, pdf, lamp_start_pdf(light, ray.origin), merged);
+  add_radiance(path, ray.slot, radiance);
+  if (HAS_LIGHT_GROUPS) add_to_group(group_of_light(index), ray.slot, radiance);
 }
 
 // Soft lamps on the way, as in path/lamps.glsl; directional ones where `end` is kFar.
