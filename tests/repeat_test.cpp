@@ -109,9 +109,28 @@ INSTANTIATE_TEST_SUITE_P(
              {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "4", "--max-depth", "3", "--intrinsics",
               "30.1,31.3,16,24", "--stereo", "0.065", "--clip", "file"}},
         Case{"guided", {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "8", "--max-depth", "4", "--guide"}},
+        Case{"layout_of_files",
+             {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "4", "--max-depth", "2", "--half", "--layers",
+              "blender", "--compression", "dwaa", "--multi-part"}},
         Case{"by_the_clock",
              {kScenes + "showcase.glb", "--size", "48x32", "--time", "0.3", "--max-depth", "3", "--env", "studio"}}),
     [](const auto& of) { return of.param.name; });
+
+class RepeatedFile : public Repeat {};
+
+TEST_F(RepeatedFile, BitsOfPngAreThoseOfTheCommand) {
+  ASSERT_EQ(run({"render", kScenes + "cornell_box.gltf", "--size", "32x24", "--spp", "2", "--max-depth", "2", "-q",
+                 "--bits", "16", "-o", "deep.png", "--stats", "stats.json"})
+                .exit_code,
+            0);
+  const std::string command = stats()["repeat"],
+                    line = WAVEPATH_BINARY + command.substr(std::string("wavepath").size());
+  EXPECT_NE(command.find("--bits 16"), std::string::npos) << command;
+  const Outcome outcome =
+      run_program({"/bin/sh", "-c", line + " -q -o again.png"}, {.folder = folder_.path().string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  expect_same_bits(read_picture(path("again.png")), read_picture(path("deep.png")));
+}
 
 class PlanFile : public Repeat {};
 
