@@ -37,8 +37,8 @@ public:
 
   void reset() { request_ = initial_; }
   // Position, direction and angle of a camera of the file. What its flags say of the projection stays: --projection,
-  // --fov, --ymag, --shift, --intrinsics, --clip and --stereo. False if the scene has no such camera. Throws Error where
-  // they do not go together; then all is as it was.
+  // --fov, --ymag, --shift, --intrinsics, --clip and --stereo. False if the scene has no such camera. Throws Error
+  // where they do not go together; then all is as it was.
   bool choose(std::size_t camera);
   void frame_scene();
 
