@@ -249,6 +249,7 @@ TEST(Usage, ViewNeedsAScreen) {
   expect_error({"view", kBox, "--frames", "9", "--spp", "4"}, 2, "--frames: 9 is more than --spp 4");
   expect_error({"view", kBox, "--frames", "9", "--screenshot", "a.txt"}, 2, "no extension that names a picture format");
   expect_error({"view", kBox, "--frames", "9", "--screenshot", "nowhere/a.png"}, 1, "nowhere");
+  expect_error({"view", kBox, "--aov", "albedo,node"}, 2, "--aov node: is found once a picture is finished");
   expect_error({"view", kBox, "--show", "albdo"}, 2, "did you mean albedo?");
 }
 

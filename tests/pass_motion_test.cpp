@@ -276,6 +276,7 @@ TEST_F(PassMotion, AFrameIsRepeatedWithItsMotion) {
     const std::string command =
         Json::parse(std::ifstream(folder_.path() / "f.json"))["repeat"].get<std::string>().substr(9);
     EXPECT_NE(command.find(flag), std::string::npos) << command;
+    EXPECT_GT(Json::parse(std::ifstream(folder_.path() / "f.json"))["seconds"]["passes"], 0.0);
     ASSERT_EQ(run(command + " -q -o again.exr").exit_code, 0) << command;
     const Picture film_frame = read("f.exr"), again = read("again.exr");
     double moved = 0.0;

@@ -38,7 +38,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
                shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
                techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, guide,
-               specialize, aovs] = settings;
+               specialize, aovs, aov_through] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
@@ -105,6 +105,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"guide", text(guide)},
       {"specialize", text(specialize)},
       {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
+      {"aov_through", text(aov_through)},
   };
 }
 

@@ -1,5 +1,7 @@
 #include "host/cli/render_finish.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
@@ -189,9 +191,12 @@ std::unique_ptr<Unwritten> end_render(const RenderCommandRequest& request, Prepa
   RenderResult& result = ended->rendered.result;
   const MultiDeviceResult* shared = ended->rendered.shared ? &*ended->rendered.shared : nullptr;
   ended->attempts.attempt([&] { denoise_if_asked(result, settings); });
+  const Clock::time_point passes_start = Clock::now();
   add_passes_if_asked(request, prepared, result, shared);
+  const double pass_seconds = seconds_since(passes_start);
   show(request, prepared, result.picture);
   Run& run = ended->run.emplace(run_of(request, prepared, settings, result));
+  if (std::ranges::any_of(settings.aovs, is_pass)) run.pass_seconds = pass_seconds;
   run.shared = shared;
   run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, shared));
   if (reference && result.denoised)

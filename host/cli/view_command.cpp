@@ -22,6 +22,7 @@
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/pass_names.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
@@ -76,6 +77,10 @@ void check(ViewCommandRequest& request) {
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
                      "give a number up to --spp");
   if (request.frames) settings.last_sample = request.frames;
+  for (const std::string& aov : settings.aovs)
+    if (is_pass(aov))
+      throw UsageError(fmt::format("--aov {}", aov), "is found once a picture is finished, and a window shows unfinished ones",
+                       "use wavepath render");
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
   check_comparison(request);

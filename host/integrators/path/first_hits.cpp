@@ -5,14 +5,13 @@
 
 #include "host/integrators/path/paths.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/pass_names.h"
 #include "host/render/settings/traversal.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 
 namespace wavepath {
 namespace {
-
-constexpr std::uint32_t kMostRays = 1u << 18; // in flight: what the host holds of them stays small
 
 RenderPlan first_hit_settings(RenderPlan settings, RaysThrough through, HitData data) {
   settings.integrator = find_integrator("path");
@@ -42,7 +41,7 @@ bool trace_first_hits(Device& device, const PackedScene& scene, const View& view
                       const std::function<bool()>& progress,
                       const std::function<void(std::span<const FirstHit>)>& visit) {
   const RenderPlan own = first_hit_settings(settings, through, data);
-  const std::uint32_t slots = std::min(choose_slots(device.info(), scene.features, own), kMostRays);
+  const std::uint32_t slots = std::min(choose_slots(device.info(), scene.features, own), kMostPassRays);
   Workspace workspace(device, scene, slots, traversal_of(own), shared.scene);
   if (!shared.scene) shared.scene = workspace.on_device;
   Paths paths(workspace, kernels);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace wavepath {
@@ -13,6 +14,9 @@ inline constexpr std::string_view kMotionPass = "motion", kMotionBackPass = "mot
 inline constexpr std::array<std::string_view, 10> kPassNames = {
     "node", "material", "cryptomatte", "depth0", "normal0", "position0", "geometric", "uv", kMotionPass,
     kMotionBackPass};
+
+// Rays in flight for passes, at most: what the host holds of them stays small.
+inline constexpr std::uint32_t kMostPassRays = 1u << 18;
 
 inline bool is_pass(std::string_view aov) { return std::ranges::count(kPassNames, aov) > 0; }
 
