@@ -78,7 +78,8 @@ std::string moving_scene(const TempFolder& folder) {
                     "IQAAAABJRU5ErkJggg=="}});
   b.add("textures", {{"source", 0}});
   b.add("materials", {{"doubleSided", true}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-  const Json attributes = {{"POSITION", positions}, {"TEXCOORD_0", uvs}}, more = {{"indices", indices}, {"material", 0}};
+  const Json attributes = {{"POSITION", positions}, {"TEXCOORD_0", uvs}},
+             more = {{"indices", indices}, {"material", 0}};
   const auto node = [&](int index) -> Json& { return b.root["nodes"][static_cast<unsigned>(index)]; };
 
   std::vector<std::uint8_t> joints, weights;
@@ -197,7 +198,8 @@ Warped warp(const Picture& a, const Picture& b, const std::string& there, const 
       continue;
     const int triangle = triangle_of(uv_a.at(i).x, uv_a.at(i).y);
     bool same = true;
-    const std::size_t corner = (static_cast<std::size_t>(place.y) - 1) * a.width + static_cast<std::size_t>(place.x) - 1;
+    const std::size_t corner =
+        (static_cast<std::size_t>(place.y) - 1) * a.width + static_cast<std::size_t>(place.x) - 1;
     for (std::size_t dy = 0; dy < 4; ++dy)
       for (std::size_t dx = 0; dx < 4; ++dx) {
         const std::size_t n = corner + dy * a.width + dx;
@@ -223,17 +225,17 @@ struct CameraCase {
 void PrintTo(const CameraCase& one, std::ostream* out) { *out << one.name; }
 
 class PassMotionOf : public PassMotion, public testing::WithParamInterface<CameraCase> {};
-INSTANTIATE_TEST_SUITE_P(Cameras, PassMotionOf,
-                         testing::Values(CameraCase{"perspective", "--size 192x128"},
-                                         CameraCase{"shift", "--size 192x128 --shift 0.1,-0.05"},
-                                         CameraCase{"intrinsics", "--size 192x128 --intrinsics 120,110,90,70"},
-                                         CameraCase{"orthographic", "--size 192x128 --projection orthographic --ymag 1.4"},
-                                         CameraCase{"fisheye", "--size 192x160 --projection fisheye --fov 120"},
-                                         CameraCase{"sphere", "--size 512x256 --projection equirectangular"},
-                                         CameraCase{"stereo", "--size 320x128 --stereo 0.2 --yfov 60"},
-                                         CameraCase{"sphere_stereo",
-                                                    "--size 512x512 --projection equirectangular --stereo 0.2"}),
-                         [](const auto& of) { return of.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Cameras, PassMotionOf,
+    testing::Values(CameraCase{"perspective", "--size 192x128"},
+                    CameraCase{"shift", "--size 192x128 --shift 0.1,-0.05"},
+                    CameraCase{"intrinsics", "--size 192x128 --intrinsics 120,110,90,70"},
+                    CameraCase{"orthographic", "--size 192x128 --projection orthographic --ymag 1.4"},
+                    CameraCase{"fisheye", "--size 192x160 --projection fisheye --fov 120"},
+                    CameraCase{"sphere", "--size 512x256 --projection equirectangular"},
+                    CameraCase{"stereo", "--size 320x128 --stereo 0.2 --yfov 60"},
+                    CameraCase{"sphere_stereo", "--size 512x512 --projection equirectangular --stereo 0.2"}),
+    [](const auto& of) { return of.param.name; });
 
 TEST_P(PassMotionOf, WarpsAFrameOntoTheNextOne) {
   const Outcome film = run(render(fmt::format("--animation all --frames 4:6 --fps 10 -o f#.exr {}", GetParam().flags)));

@@ -67,7 +67,8 @@ void check_moment(const OtherMoment& other, const char* pass, const char* moment
   const char* given = other.at ? moment : other.camera ? camera : nullptr;
   const std::string flag = fmt::format("--aov {}", pass);
   if (given && !wants_pass(settings, pass))
-    throw UsageError(given, fmt::format("means nothing without {}", flag), fmt::format("add {}, or leave it out", flag));
+    throw UsageError(given, fmt::format("means nothing without {}", flag),
+                     fmt::format("add {}, or leave it out", flag));
   if (given && has_frames)
     throw UsageError(given, "is told by the frames: motion goes to the one beside", "leave it out");
   if (other.at && animation.empty())

@@ -47,9 +47,9 @@ struct Prepared {
 // Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
 Prepared prepare(const RenderCommandRequest& request);
 
-// Notes in `prepared` what --aov motion and motion_back are told to. Poses the scene at other moments for that, and then
-// again at the one of the request. `loaded` stays open if they are other moments. Returns whether every vertex is where
-// it was.
+// Notes in `prepared` what --aov motion and motion_back are told to. Poses the scene at other moments for that, and
+// then again at the one of the request. `loaded` stays open if they are other moments. Returns whether every vertex is
+// where it was.
 bool pose_others(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared);
 
 // The two halves of prepare(), for scenes that are packed in several poses. `stays_open`: as load_scene() takes it.

@@ -24,7 +24,7 @@ struct RenderCommandRequest {
   std::string command_line;
   std::optional<PlanRecord> recorded; // decisions read from the file of --plan; empty without --plan
   SequenceRequest sequence;
-  MotionRequest motion; // of a frame of a sequence: the frames beside it
+  MotionRequest motion;                // of a frame of a sequence: the frames beside it
   std::optional<FrameReport> frame;    // frame of the sequence that this render is; empty = no sequence
   ProgressDisplay* progress = nullptr; // display of all frames; null = the render shows its own
 };

@@ -106,9 +106,7 @@ void check_sequence(const SequenceRequest& request, const std::string& animation
     throw UsageError("--fps", "means nothing without an animation", "add --animation, or leave it out");
 }
 
-double seconds_of(const SequenceRequest& request, double frame) {
-  return frame / request.fps.value_or(kUsualFps);
-}
+double seconds_of(const SequenceRequest& request, double frame) { return frame / request.fps.value_or(kUsualFps); }
 
 double turned_by(const SequenceRequest& request, double frame) {
   return request.turntable ? *request.turntable * frame / request.frames->end : 0.0;

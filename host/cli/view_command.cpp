@@ -79,7 +79,8 @@ void check(ViewCommandRequest& request) {
   if (request.frames) settings.last_sample = request.frames;
   for (const std::string& aov : settings.aovs)
     if (is_pass(aov))
-      throw UsageError(fmt::format("--aov {}", aov), "is found once a picture is finished, and a window shows unfinished ones",
+      throw UsageError(fmt::format("--aov {}", aov),
+                       "is found once a picture is finished, and a window shows unfinished ones",
                        "use wavepath render");
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);

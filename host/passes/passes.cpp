@@ -153,9 +153,9 @@ bool add_centre_passes(const PassTracer& tracer, Picture& picture) {
         std::size_t channel = 0;
         for (const CentrePass& pass : passes)
           for (int c = 0; c < static_cast<int>(pass.channels.size()); ++c)
-            channels[channel++].values[found.pixel] =
-                found.hit.triangle == gpu::kNone && !pass.of_background
-                    ? pass.nothing : static_cast<float>(pass.value(found, c));
+            channels[channel++].values[found.pixel] = found.hit.triangle == gpu::kNone && !pass.of_background
+                                                          ? pass.nothing
+                                                          : static_cast<float>(pass.value(found, c));
       });
   std::ranges::move(channels, std::back_inserter(picture.channels));
   return whole;

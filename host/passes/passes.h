@@ -25,8 +25,8 @@
 namespace wavepath {
 
 // Appends the passes among settings.aovs to `picture`, which has settings.width x settings.height pixels. Coverages are
-// those of samples settings.first_sample <= s < last_sample. `motion`: what motion is told between. `progress`: false leaves out what is not yet found;
-// returns whether all was. Throws Error if the device fails.
+// those of samples settings.first_sample <= s < last_sample. `motion`: what motion is told between. `progress`: false
+// leaves out what is not yet found; returns whether all was. Throws Error if the device fails.
 bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
                 const MotionPictures& motion, KernelCompiler& kernels, SceneOnDevice& shared,
                 const std::function<bool()>& progress, Picture& picture);

@@ -34,8 +34,8 @@ std::vector<MemoryItem> plan_path(const RenderPlan& settings, gpu::Feature featu
 // Values of a pixel that the AOV adds to the picture: at most three but for Cryptomatte's two layers of six pairs.
 std::uint64_t values_of(const std::string& aov) { return aov == "cryptomatte" ? 24 : 3; }
 
-// What the host holds of the passes' rays, as they come from the device and as they are visited. On the device they take
-// no more than the samples, whose memory is free by then.
+// What the host holds of the passes' rays, as they come from the device and as they are visited. On the device they
+// take no more than the samples, whose memory is free by then.
 std::uint64_t pass_bytes(const RenderPlan& settings, std::uint64_t pixels) {
   if (std::ranges::none_of(settings.aovs, is_pass)) return 0;
   constexpr std::uint64_t kOfRay = 2 * (sizeof(gpu::Ray) + sizeof(gpu::Hit) + sizeof(gpu::PathAovs));

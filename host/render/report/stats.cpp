@@ -54,13 +54,13 @@ Json seconds_json(const Run& run) {
   Json first_pixel = nullptr; // stopped before every pixel had a sample
   if (run.result.spp > 0) first_pixel = run.result.first_pixel_seconds;
   Json seconds = {{"load", run.load_seconds},
-          {"bvh", run.packed.bvh_seconds},
-          {"upload", run.result.upload_seconds},
-          {"compile", run.result.compile_seconds},
-          {"render", run.result.seconds},
-          {"write", run.write_seconds},
-          {"first_pixel", first_pixel},
-          {"total", run.total_seconds}};
+                  {"bvh", run.packed.bvh_seconds},
+                  {"upload", run.result.upload_seconds},
+                  {"compile", run.result.compile_seconds},
+                  {"render", run.result.seconds},
+                  {"write", run.write_seconds},
+                  {"first_pixel", first_pixel},
+                  {"total", run.total_seconds}};
   if (run.pass_seconds) seconds["passes"] = *run.pass_seconds;
   return seconds;
 }

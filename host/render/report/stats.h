@@ -36,7 +36,7 @@ struct Run {
   const RenderResult& result;
   double load_seconds = 0.0, write_seconds = 0.0;
   std::optional<double> pass_seconds{}; // of passes of --aov; empty if none is asked for
-  double total_seconds = 0.0; // from the start of the process
+  double total_seconds = 0.0;           // from the start of the process
   std::uint64_t peak_bytes = 0;
   std::string kernel_cache{};                // text of PipelineCache::describe()
   std::vector<TrueError> true_errors{};      // one for each checkpoint; empty without a reference

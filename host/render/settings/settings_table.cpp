@@ -221,8 +221,9 @@ std::vector<Setting> picture_rows() {
        .identity = [](const S& s) { return std::string(records_aovs(s) ? "yes" : "no"); }},
       {.name = "aov-through",
        .value = SwitchValue{&S::aov_through},
-       .meaning = "channels albedo and normal show what is behind smooth glass and in mirrors, as filters of noise want "
-                  "them: the first surface on the path that scatters otherwise, its albedo tinted",
+       .meaning =
+           "channels albedo and normal show what is behind smooth glass and in mirrors, as Open Image Denoise wants "
+           "them: the first surface on the path that scatters otherwise, its albedo tinted",
        .group = SettingGroup::picture,
        .advanced = true,
        .supported_by = SupportedBy::listed_else_refused,

@@ -43,13 +43,13 @@ struct Object {
 };
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
-// `with_vertices`, sources if `with_sources`). Triangles that are not finite or have exactly no area are left out and counted in
-// packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray through lose
-// kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if
-// there are more items or nodes than traversal can index. `cut`: of the parts. The first piece of a triangle takes its
-// index and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the triangle that a
-// piece was cut from is its fourth word in triangle_vertices. `trees`: of the last pose, whose object of the number
-// `number` this is; null where none is kept.
+// `with_vertices`, sources if `with_sources`). Triangles that are not finite or have exactly no area are left out and
+// counted in packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray
+// through lose kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws
+// Error if there are more items or nodes than traversal can index. `cut`: of the parts. The first piece of a triangle
+// takes its index and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the
+// triangle that a piece was cut from is its fourth word in triangle_vertices. `trees`: of the last pose, whose object
+// of the number `number` this is; null where none is kept.
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
                      bool with_vertices, bool with_sources, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
                      std::size_t number, PackedScene& packed);

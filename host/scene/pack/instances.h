@@ -20,8 +20,8 @@ struct Placement {
 };
 
 // Appends the tree over `placements` to packed.nodes and fills packed.instances in leaf order; sets root, root_is_top,
-// stack_size, and instance_nodes and instance_sources by Instance::id. Returns the object of each instance. Skips placements of empty
-// objects, and those that float matrices cannot hold, which are counted in `skipped`.
+// stack_size, and instance_nodes and instance_sources by Instance::id. Returns the object of each instance. Skips
+// placements of empty objects, and those that float matrices cannot hold, which are counted in `skipped`.
 std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::span<const Placement> placements,
                                           PackedScene& packed, std::size_t& skipped);
 

@@ -64,8 +64,8 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
     packed.triangle_vertices.resize(packed.triangles.size(), glm::uvec4(0));
   }
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
-  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, layout.with_sources, times, layout.quality,
-                       layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
+  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, layout.with_sources, times,
+                       layout.quality, layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
 }
 
 // Of meshes that are shown once.

@@ -94,7 +94,7 @@ struct PackedScene {
   // once_instance.
   std::vector<SourceTriangle> sources;
   std::vector<std::uint32_t> instance_sources;
-  std::vector<std::string> node_names;    // by node of the file; empty where it has no name
+  std::vector<std::string> node_names; // by node of the file; empty where it has no name
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels; // texels that kernels look up themselves
   Atlases atlases;                   // texels that the device's samplers look up

@@ -23,7 +23,7 @@ struct Packing {
   // Positions of cameras: triangles that are huge compared with their distance to one are cut, see cut.h.
   std::vector<glm::dvec3> near{};
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
-  bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
+  bool mips = false;    // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
   bool sources = false; // PackedScene::sources are listed, for passes that follow surfaces to another pose
   std::vector<std::string> light_groups{}; // value of --light-groups; empty = lights have no groups
   // The device's samplers look up textures, within these limits.
