@@ -217,7 +217,7 @@ TEST(Layout, Film) {
   compare("ExactSum", sizeof(ExactSum), {AT(ExactSum, high), AT(ExactSum, low)});
   compare("FilmPixel", sizeof(FilmPixel),
           {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops),
-           AT(FilmPixel, largest)});
+           AT(FilmPixel, largest), AT(FilmPixel, clamped)});
   compare("PathAovs", sizeof(PathAovs),
           {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
            AT(PathAovs, unoccluded), AT(PathAovs, emission), AT(PathAovs, roughness), AT(PathAovs, direct),

@@ -37,7 +37,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
                shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
-               techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, guide,
+               techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, clamp, guide,
                specialize, aovs, aov_through] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
@@ -103,6 +103,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"reuse", text(reuse)},
       {"adaptive", text(adaptive)},
       {"guide", text(guide)},
+      {"clamp", text(clamp)},
       {"specialize", text(specialize)},
       {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
       {"aov_through", text(aov_through)},

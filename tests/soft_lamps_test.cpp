@@ -24,7 +24,7 @@ Scene white_floor(double half, double x = 0.0, double height = 0.05) {
   Scene scene;
   scene.path = "test";
   scene.materials.push_back(white());
-  const auto wide = static_cast<float>(1e3 * half);
+  constexpr float wide = 10.0f;
   add_instance(scene, add_mesh(scene, quad({-wide, 0, wide}, {wide, 0, wide}, {wide, 0, -wide}, {-wide, 0, -wide})));
   Camera camera;
   camera.orthographic = true;

@@ -144,6 +144,11 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
     bias.emplace_back(
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");
   if (const std::string soft = soft_lamps_text(scene); !soft.empty()) bias.push_back(soft);
+  if (settings.clamp > 0.0 && result.film)
+    bias.push_back(fmt::format("samples are dimmed to a radiance of {:g} (--clamp), which took {:.2g} % of the light",
+                               settings.clamp, 100.0 * clamped_fraction(*result.film, settings.clamp)));
+  else if (settings.clamp > 0.0)
+    bias.push_back(fmt::format("samples are dimmed to a radiance of {:g} (--clamp)", settings.clamp));
   if (settings.moving && supports(*settings.integrator, "shutter"))
     bias.emplace_back(
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");

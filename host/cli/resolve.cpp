@@ -171,6 +171,8 @@ void check_integrator(const RenderRequest& request) {
                      settings.denoise      ? "leave out --denoise"
                      : uses_mips(settings) ? "use --integrator path, or --max-depth 1 --mips off for direct light"
                                            : "use --integrator path, or --max-depth 1 for direct light");
+  if (request.strict && settings.clamp > 0.0)
+    throw UsageError("--clamp", "is biased, which --strict refuses", "leave it out");
   if (request.strict && settings.textures == kTexturesHardware)
     throw UsageError("--textures hardware", "is biased, which --strict refuses", "leave it out");
   const bool splits = request.mergeable || !request.state.file.empty() || !request.devices.empty();

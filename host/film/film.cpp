@@ -39,6 +39,7 @@ void join(gpu::FilmPixel& pixel, const gpu::FilmPixel& other) {
   pixel.tops = tops;
   pixel.count += other.count;
   pixel.largest = std::max(pixel.largest, other.largest);
+  pixel.clamped += std::min(other.clamped, ~pixel.clamped); // stays at the largest number
 }
 
 void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
@@ -250,6 +251,17 @@ void count_light_paths(Film& film) {
 std::uint32_t sample_count(const Film& film, std::size_t pixel) {
   const auto [a, b] = replicates_of(film, pixel);
   return a->count + (b ? b->count : 0);
+}
+
+double clamped_fraction(const Film& film, double radiance) {
+  double kept = 0.0, lost = 0.0;
+  for (const gpu::FilmPixel& pixel : film.pixels) {
+    if (pixel.count == 0) continue;
+    const glm::dvec3 total = total_of(pixel);
+    kept += (total.r + total.g + total.b) / pixel.count;
+    lost += radiance / gpu::kClampUnits * pixel.clamped / pixel.count;
+  }
+  return lost > 0.0 ? lost / (kept + lost) : 0.0;
 }
 
 float largest_sample(const Film& film, std::size_t pixel) {

@@ -108,6 +108,9 @@ glm::dvec3 mean_group(const Film& film, std::size_t pixel, std::uint32_t group);
 // Means of a pixel's AOVs over the samples of all its replicates.
 gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel);
 
+// Part of all light that samples had before --clamp dimmed them to this radiance, which it took; R + G + B.
+double clamped_fraction(const Film& film, double radiance);
+
 // The largest sample of a pixel, by R + G + B.
 float largest_sample(const Film& film, std::size_t pixel);
 

@@ -19,6 +19,7 @@ namespace wavepath {
 namespace {
 
 constexpr float kNothing = 1e10f; // depth where nothing was hit, as the AOV `depth` has it
+constexpr const char* kNearest = "Zmin";
 constexpr const char* kObjects = "CryptoObject";
 constexpr const char* kMaterials = "CryptoMaterial";
 constexpr const char *kNodesText = "wavepath.nodes", *kMaterialsText = "wavepath.materials";
@@ -181,6 +182,27 @@ bool add_coverages(const PassTracer& tracer, Picture& picture) {
   return whole;
 }
 
+// The nearest hit of all samples. Depths of parts of a render join exactly.
+bool add_nearest(const PassTracer& tracer, Picture& picture) {
+  std::vector<float> nearest(std::size_t{picture.width} * picture.height, kNothing);
+  const bool whole = tracer.trace(RaysThrough::samples, HitData::surface, [&](const FirstHit& found) {
+    if (found.hit.triangle == gpu::kNone) return;
+    nearest[found.pixel] = std::min(nearest[found.pixel], static_cast<float>(found.surface.depth));
+  });
+  picture.channels.push_back({kNearest, std::move(nearest)});
+  return whole;
+}
+
+void join_nearest(Picture& picture, const std::vector<Picture>& parts) {
+  const auto has_it = [](const Picture& part) { return find_channel(part, kNearest) != nullptr; };
+  if (!std::ranges::all_of(parts, has_it) || has_it(picture)) return;
+  Channel joined = *find_channel(parts.front(), kNearest);
+  for (const Picture& part : parts)
+    for (std::size_t i = 0; i < joined.values.size(); ++i)
+      joined.values[i] = std::min(joined.values[i], find_channel(part, kNearest)->values[i]);
+  picture.channels.push_back(std::move(joined));
+}
+
 } // namespace
 
 bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
@@ -200,12 +222,14 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
                                table_text(all, [&](std::uint32_t id) { return material_name(scene, id); }));
   }
   if (wants(settings, "cryptomatte")) whole &= add_coverages(tracer, picture);
+  if (wants(settings, "depth_min")) whole &= add_nearest(tracer, picture);
   return whole;
 }
 
 bool has_passes(const Picture& picture) {
   const auto is_known = [&](const std::string& channel) { return find_channel(picture, channel) != nullptr; };
-  return std::ranges::any_of(channels_of_centres(), is_known) || has_cryptomatte(picture, kObjects);
+  return std::ranges::any_of(channels_of_centres(), is_known) || has_cryptomatte(picture, kObjects) ||
+         is_known(kNearest);
 }
 
 void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples) {
@@ -215,6 +239,7 @@ void join_passes(Picture& picture, const std::vector<Picture>& parts, const std:
   for (const char* layer : {kObjects, kMaterials})
     if (std::ranges::all_of(parts, [&](const Picture& part) { return has_cryptomatte(part, layer); }))
       join_cryptomatte(picture, layer, parts, samples);
+  join_nearest(picture, parts);
 }
 
 std::vector<std::string> pass_texts() {

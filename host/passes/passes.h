@@ -11,6 +11,7 @@
 //     uv            uv.X uv.Y                       through the centres
 //     motion        motion.X motion.Y               through the centres
 //     motion_back   motionBack.X motionBack.Y       through the centres
+//     depth_min     Zmin                            of all samples
 //     cryptomatte   CryptoObject*, CryptoMaterial*  of all samples                  cryptomatte/*
 #pragma once
 

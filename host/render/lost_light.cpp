@@ -62,6 +62,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
       !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
   RenderPlan small = pilot_settings(settings, kLostLightSide, kLostLightSamples);
+  small.clamp = 0.0; // the other integrator does not know it
   small.training.found = shared.light_probabilities;
   const PictureLight found = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);
   small.integrator = *finder;

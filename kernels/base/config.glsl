@@ -23,6 +23,7 @@ layout(constant_id = kSpecLightSamples) const uint kLightSamples = 1u;
 layout(constant_id = kSpecLaneRays) const uint kLaneRays = 256u;
 layout(constant_id = kSpecSky) const uint kSky = kSkyByPaths;
 layout(constant_id = kSpecReuse) const uint kReuse = kReuseNone;
+layout(constant_id = kSpecClamp) const uint kClamp = 0u;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kInStep = kWalk == kWalkInStep;

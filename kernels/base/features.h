@@ -111,7 +111,8 @@ GPU_CONSTANT uint kSpecLightSamples = 14u; // light samples where a path first s
 GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
 GPU_CONSTANT uint kSpecLaneRays = 16u; // rays that a lane takes from a queue at most (trace_queue.glsl); at least 1
 GPU_CONSTANT uint kSpecReuse = 17u;    // whether pixels may share paths; gpu::Frame says whether they do
-GPU_CONSTANT uint kSpecCount = 18u;
+GPU_CONSTANT uint kSpecClamp = 18u;    // bits of the largest radiance of a sample (--clamp); 0: no limit
+GPU_CONSTANT uint kSpecCount = 19u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;

@@ -36,9 +36,10 @@ struct FilmPixel {
   uint count;    // finite samples so far
   uint tops;     // digit `top` of each sum, a byte each
   float largest; // R + G + B of the largest sample
-  uint pad0;
+  uint clamped;  // light that --clamp took, R + G + B, in units of its radiance / kClampUnits; the largest number: more
 };
 GPU_CHECK(sizeof(FilmPixel) == 64);
+GPU_CONSTANT uint kClampUnits = 16u;
 
 // Light that paths from lights brought to a pixel, wherever they began: sums in fixed point, in units of 2^-60, of 128
 // bits a channel, lowest word first. Lanes add to them by integer atomics, so that no order matters; what is below the

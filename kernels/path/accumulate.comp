@@ -22,12 +22,29 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
+// Factor that brings the brightest channel of a sample down to the limit of --clamp; 1 below that. The colour stays.
+float dimming(vec3 radiance) {
+  float limit = uintBitsToFloat(kClamp), brightest = max_component(radiance);
+  return kClamp != 0u && brightest > limit ? limit / brightest : 1.0;
+}
+
+// The dimmed sample. What is lost is counted in whole units, whose sum is the same in any order.
+vec3 clamped(vec3 radiance, float scale, inout FilmPixel pixel) {
+  if (scale == 1.0) return radiance;
+  vec3 kept = radiance * scale;
+  float unit = uintBitsToFloat(kClamp) / float(kClampUnits);
+  float lost = (radiance.r + radiance.g + radiance.b - kept.r - kept.g - kept.b) / unit;
+  uint units = uint(min(lost + 0.5, 4294967040.0));
+  pixel.clamped = pixel.clamped > 0xffffffffu - units ? 0xffffffffu : pixel.clamped + units;
+  return kept;
+}
+
 // With groups of lights the sums of the picture take the light of each group apart. So they are the sums of all groups
 // to the last bit, which no sum of rounded sums would be.
-void add_groups(inout FilmPixel pixel, uint slot) {
+void add_groups(inout FilmPixel pixel, uint slot, float scale) {
   vec3 radiance = vec3(0.0);
   for (uint group = 0u; group < group_count(); ++group) {
-    vec3 light = group_light(group, slot);
+    vec3 light = scale * group_light(group, slot);
     add_light(pixel, light);
     radiance += light;
   }
@@ -42,8 +59,10 @@ void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint firs
     uint slot = first_slot + s * part.entries;
     vec3 radiance = gathered_radiance(slot);
     if (!is_finite(radiance)) continue;
+    float scale = dimming(radiance);
+    if (kClamp != 0u) radiance = clamped(radiance, scale, pixel);
     if (HAS_LIGHT_GROUPS)
-      add_groups(pixel, slot);
+      add_groups(pixel, slot, scale);
     else
       add_sample(pixel, radiance);
   }
@@ -57,7 +76,8 @@ void accumulate_groups(WavePart part, uint first_slot, uint film_index) {
     FilmPixel sums = film_groups[film_index * groups + group];
     for (uint s = 0u; s < part.samples; ++s) {
       uint slot = first_slot + s * part.entries;
-      if (is_finite(gathered_radiance(slot))) add_sample(sums, group_light(group, slot));
+      vec3 radiance = gathered_radiance(slot);
+      if (is_finite(radiance)) add_sample(sums, dimming(radiance) * group_light(group, slot));
     }
     film_groups[film_index * groups + group] = sums;
   }

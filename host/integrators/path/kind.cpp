@@ -19,10 +19,11 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 13> kSettings = {
-    "hemisphere", "direct", "lights", "path sampling", "adaptive",    "guide",       "lens",
-    "denoise",    "pixel",  "shutter", "terminator",   "aov-through", "light-groups"};
-constexpr std::array<std::string_view, 2> kNotByAuto = {"guide", "pixel"}; // it tries guiding; and replays no path
+constexpr std::array<std::string_view, 14> kSettings = {
+    "hemisphere", "direct", "lights",  "path sampling", "adaptive",    "guide",        "lens",
+    "denoise",    "pixel",  "shutter", "terminator",    "aov-through", "light-groups", "clamp"};
+// It tries guiding, replays no path, and compares integrators that find all light.
+constexpr std::array<std::string_view, 3> kNotByAuto = {"guide", "pixel", "clamp"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,

@@ -108,7 +108,7 @@ Imath::M44f world_to_ndc(const View& view) {
 // Channels that --half leaves at 32 bits: half holds all whole numbers only up to 2048, and ends at 65504, which
 // distances and positions may exceed; the depth of a miss always does.
 bool needs_float(const std::string& name) {
-  return name == "samples" || name == "Z" || name == "Z0" || name.starts_with("P.") || name.starts_with("P0.") ||
+  return name == "samples" || name == "Z" || name == "Z0" || name == "Zmin" || name.starts_with("P.") || name.starts_with("P0.") ||
          name.starts_with("id.") || name.starts_with("Crypto");
 }
 

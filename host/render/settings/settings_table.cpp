@@ -47,7 +47,7 @@ std::vector<std::string_view> rare_aovs() {
 std::string aov_meaning() {
   std::string text = fmt::format(
       "extra EXR channels, separated by commas: {}. Apart from the samples, by rays through the "
-      "centres of pixels (cryptomatte: by the rays of all samples): {}",
+      "centres of pixels (cryptomatte and depth_min: by the rays of all samples): {}",
       fmt::join(kCommonAovs, ", "), fmt::join(kPassNames, ", "));
   for (const std::string_view name : rare_aovs())
     text += fmt::format(". {}: only with --integrator {}", name, aov_supporters_text(name));
@@ -326,6 +326,15 @@ std::vector<Setting> transport_rows() {
        .offered = kByRender,
        .planned = true,
        .study = {"off", "on"}},
+      {.name = "clamp",
+       .value = NumberValue{&S::clamp, 0.0, kMostRadiance},
+       .meaning = "dims samples whose brightest channel is above this radiance, and keeps their colour: no fireflies. "
+                  "Biased; `bias` in the stats tells how much light it took. 0: no limit",
+       .placeholder = "X",
+       .advanced = true,
+       .supported_by = SupportedBy::listed_else_refused,
+       .offered = kByRenderAndView,
+       .label = "clamp samples at"},
       {.name = "max-depth",
        .value = WholeValue{&S::max_depth, 0, kDeepest},
        .meaning = "longest path in bounces. 0: only emission that the camera sees. 1: also direct light",

@@ -1,6 +1,7 @@
 #include "host/render/workspace/kernel_compiler.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/direct_sampling.h"
@@ -60,6 +61,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
                                                               : gpu::kSortHits;
   const std::uint32_t terminator =
       supports(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
+  const std::uint32_t clamp =
+      supports(*settings.integrator, "clamp") ? std::bit_cast<std::uint32_t>(static_cast<float>(settings.clamp)) : 0u;
   return {features,
           stack,
           settings.sampler,
@@ -75,7 +78,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           sort,
           sampling.lights,
           sampling.kernels_see_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths,
-          reuse ? gpu::kReuseQuads : gpu::kReuseNone};
+          reuse ? gpu::kReuseQuads : gpu::kReuseNone,
+          clamp};
 }
 
 KernelConfig generic_config(gpu::Feature scene, std::uint32_t stack_size, const RenderPlan& settings) {

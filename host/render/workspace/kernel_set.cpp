@@ -93,6 +93,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecLightSamples] = config.light_samples;
   constants[gpu::kSpecSky] = config.sky;
   constants[gpu::kSpecReuse] = config.reuse;
+  constants[gpu::kSpecClamp] = config.clamp;
   constants[gpu::kSpecLaneRays] = device.ends_long_loops ? 2 : kLaneRays;
   return constants;
 }

@@ -36,6 +36,7 @@ struct KernelConfig {
   std::uint32_t light_samples = 1; // of a path where it first scatters
   std::uint32_t sky = gpu::kSkyByPaths;
   std::uint32_t reuse = gpu::kReuseNone;
+  std::uint32_t clamp = 0; // bits of a float
 
   bool operator==(const KernelConfig&) const = default;
 };
