@@ -184,6 +184,12 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--branching", "choice"},
           "--branching: is not supported by --integrator path; use --integrator whitted, or leave it out");
   refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
+  refused({"--clamp", "10", "--strict"}, "--clamp: is biased, which --strict refuses; leave it out");
+  refused({"--clamp", "10", "--integrator", "bidirectional"}, "--clamp: is not supported by --integrator bidirectional");
+  refused({"--clamp", "-1"}, "--clamp");
+  refused({"--sun-angle", "181"}, "--sun-angle");
+  refused({"--sun-angle", "1e-9"}, "--sun-angle: '1e-9' is too small");
+  refused({"--lamp-radius", "-1"}, "--lamp-radius");
   refused({"--textures", "hardware", "--strict"}, "--textures hardware: is biased, which --strict refuses");
   refused({"--denoise", "oidn", "--integrator", "hybrid"},
           "--denoise oidn: cannot filter the frames of --integrator hybrid");

@@ -242,7 +242,7 @@ TEST_F(PassesTest, CoveragesAreTheFractionsOfSamples) {
 }
 
 TEST_F(PassesTest, PartsJoinToTheWhole) {
-  const RenderPlan whole = settings({"cryptomatte", "node", "depth0"}, 24);
+  const RenderPlan whole = settings({"cryptomatte", "node", "depth0", "depth_min"}, 24);
   RenderPlan first = whole, second = whole;
   first.last_sample = second.first_sample = 8;
   first.sample_total = second.sample_total = 24;
@@ -252,6 +252,15 @@ TEST_F(PassesTest, PartsJoinToTheWhole) {
   ASSERT_EQ(joined.channels.size(), expected.channels.size());
   for (const Channel& one : expected.channels) EXPECT_EQ(channel(joined, one.name), one.values) << one.name;
   EXPECT_NE(channel(a, "CryptoObject00.G"), channel(b, "CryptoObject00.G"));
+  EXPECT_NE(channel(a, "Zmin"), channel(b, "Zmin"));
+  // The tilted square is higher to one side: its nearest point in a pixel is nearer than that at the centre.
+  std::size_t nearer = 0;
+  for (std::size_t i = 0; i < channel(expected, "Z0").size(); ++i) {
+    if (channel(expected, "Z0")[i] > 1e9f) continue;
+    nearer += channel(expected, "Zmin")[i] < channel(expected, "Z0")[i] ? 1 : 0;
+    EXPECT_LE(channel(expected, "Zmin")[i], channel(expected, "Z0")[i] + 0.02f);
+  }
+  EXPECT_GT(nearer, 20u);
 }
 
 // What was asked of passes alone leaves the picture and its film as they are.

@@ -1,10 +1,10 @@
 // Punctual lights with an extent: light and penumbrae against closed forms, from nothing to as large as the scene, and
-// the same light by every estimator and from both ends of paths.
+// the same light by every estimator and from both ends of paths. Also the clamp of samples.
 #include <cmath>
 #include <numbers>
 
-#include "host/integrators/hybrid/kind.h"
 #include "host/integrators/whitted/kind.h"
+#include "host/render/lost_light.h"
 #include "tests/bidirectional_scene.h"
 
 namespace wavepath::test {
@@ -242,6 +242,49 @@ TEST_F(SoftLamps, WhittedRefuses) {
   RenderPlan plan = path_settings(1, 1);
   EXPECT_NE(kWhitted.unsupported_reason(plan, pack(soft)), "");
   EXPECT_EQ(kWhitted.unsupported_reason(plan, pack(hard)), "");
+}
+
+// Rays behind mirrors and glass find soft lamps: nothing is lost.
+TEST_F(SoftLamps, AreNotLost) {
+  Scene soft = corner_with({LightKind::point}, 0.3, true), hard = corner_with({LightKind::point}, 0.0, true);
+  EXPECT_FALSE(may_lose_light(pack(soft)));
+  EXPECT_TRUE(may_lose_light(pack(hard)));
+}
+
+// ---- --clamp --------------------------------------------------------------------------------------------------------
+
+// A floor of radiance 4 in red and 2 in blue under --clamp 1: dimmed to 1 and 0.5, and three quarters are told as lost.
+TEST_F(SoftLamps, ClampDimsSamplesAndCountsTheLight) {
+  Scene scene = white_floor(1e-3);
+  scene.lights = {lamp_at(LightKind::directional, {}, {0, -1, 0}, 0.0)};
+  scene.lights[0].intensity = glm::vec3(4.0 * kPi, 0.0, 2.0 * kPi);
+  RenderPlan plan = square(8, gpu::kDirectMis), clamped = plan;
+  clamped.clamp = 1.0;
+  const RenderResult result = render(Subject(scene, clamped), clamped);
+  for (const float value : result.picture.channels[0].values) ASSERT_NEAR(value, 1.0f, 1e-6f);
+  for (const float value : result.picture.channels[2].values) ASSERT_NEAR(value, 0.5f, 1e-6f);
+  EXPECT_NEAR(clamped_fraction(*result.film, 1.0), 0.75, 0.01);
+  RenderPlan far = plan;
+  far.clamp = 5.0;
+  const RenderResult untouched = render(Subject(scene, far), far);
+  EXPECT_EQ(clamped_fraction(*untouched.film, 5.0), 0.0);
+  EXPECT_TRUE(*untouched.film == *render(Subject(scene, plan), plan).film) << "what it does not dim stays as it was";
+}
+
+TEST_F(SoftLamps, ClampedPartsJoinToTheWhole) {
+  const Scene scene = corner_with({LightKind::point}, 0.05);
+  RenderPlan whole = path_settings(16, 3), first = whole, second = whole;
+  whole.clamp = first.clamp = second.clamp = 0.4;
+  whole.adaptive = first.adaptive = second.adaptive = kAdaptiveOff;
+  first.last_sample = second.first_sample = 6;
+  first.sample_total = second.sample_total = 16;
+  const Subject subject(scene, whole);
+  const RenderResult expected = render(subject, whole);
+  EXPECT_GT(clamped_fraction(*expected.film, 0.4), 0.01);
+  Film joined = *render(subject, first).film;
+  join(joined, *render(subject, second).film);
+  EXPECT_TRUE(joined == *expected.film);
+  expect_same_film_however_cut(subject, whole, *expected.film);
 }
 
 } // namespace
