@@ -185,7 +185,8 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
           "--branching: is not supported by --integrator path; use --integrator whitted, or leave it out");
   refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
   refused({"--clamp", "10", "--strict"}, "--clamp: is biased, which --strict refuses; leave it out");
-  refused({"--clamp", "10", "--integrator", "bidirectional"}, "--clamp: is not supported by --integrator bidirectional");
+  refused({"--clamp", "10", "--integrator", "bidirectional"},
+          "--clamp: is not supported by --integrator bidirectional");
   refused({"--clamp", "-1"}, "--clamp");
   refused({"--sun-angle", "181"}, "--sun-angle");
   refused({"--sun-angle", "1e-9"}, "--sun-angle: '1e-9' is too small");

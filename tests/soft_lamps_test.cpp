@@ -29,8 +29,8 @@ Scene white_floor(double half, double x = 0.0, double height = 0.05) {
   Camera camera;
   camera.orthographic = true;
   camera.xmag = camera.ymag = half;
-  camera.world_from_camera = glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0),
-                                        glm::dvec4(x, height, 0, 1));
+  camera.world_from_camera =
+      glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(x, height, 0, 1));
   scene.cameras.push_back(camera);
   return scene;
 }
@@ -142,8 +142,7 @@ TEST_F(SoftLamps, PenumbraIsThatOfTheClosedForm) {
         scene.lights = {lamp_at(LightKind::directional, {}, {0, -1, 0}, half_angle)};
       if (is_lamp) scene.lights[0].intensity = glm::vec3(1e6f);
       for (const std::uint32_t direct : kEstimators)
-        EXPECT_NEAR(irradiance(scene, square(1024, direct)), expected, 3e-3)
-            << at << (is_lamp ? " lamp" : " sun");
+        EXPECT_NEAR(irradiance(scene, square(1024, direct)), expected, 3e-3) << at << (is_lamp ? " lamp" : " sun");
       EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis, kBidirectional)), expected, 6e-3)
           << at << " bidirectional";
     }
@@ -173,8 +172,8 @@ TEST_F(SoftLamps, EstimatorsAgree) {
 }
 
 TEST_F(SoftLamps, LightPathsFindTheSame) {
-  const std::vector<std::uint32_t> sets = {gpu::kTechniquesAll, kHit | kLight, kLight | kConnect, kHit | kSplat,
-                                           kLight | kSplat, kLight | kConnect | kSplat};
+  const std::vector<std::uint32_t> sets = {gpu::kTechniquesAll, kHit | kLight,   kLight | kConnect,
+                                           kHit | kSplat,       kLight | kSplat, kLight | kConnect | kSplat};
   for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::directional}) {
     SCOPED_TRACE(static_cast<int>(kind));
     expect_path_light(corner_with({kind}, 0.3), 3, sets, 64);

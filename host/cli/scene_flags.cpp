@@ -88,8 +88,7 @@ void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loade
 
 void soften_lamps(const SceneRequest& request, Scene& scene) {
   for (PunctualLight& light : scene.lights)
-    light.extent =
-        light.kind == LightKind::directional ? glm::radians(0.5 * request.sun_angle) : request.lamp_radius;
+    light.extent = light.kind == LightKind::directional ? glm::radians(0.5 * request.sun_angle) : request.lamp_radius;
 }
 
 } // namespace

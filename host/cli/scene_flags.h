@@ -25,9 +25,9 @@ struct SceneRequest {
   double environment_intensity = 1.0;
   double environment_degrees = 0.0; // rotation of the environment about +Y
   bool ground = false;
-  std::optional<glm::dvec2> sun; // degrees: azimuth from +X towards +Z, elevation
+  std::optional<glm::dvec2> sun;             // degrees: azimuth from +X towards +Z, elevation
   double sun_angle = 0.0, lamp_radius = 0.0; // extent of punctual lights: degrees across, metres; 0 = none
-  bool sun_if_unlit = false;     // a scene without lights gets a sun, for studies of lamp shadows
+  bool sun_if_unlit = false;                 // a scene without lights gets a sun, for studies of lamp shadows
   // Moment whose pose decides what the file leaves open: framing, light, ground. Empty = the moment of the picture.
   std::optional<double> staged_at;
 };

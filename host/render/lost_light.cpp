@@ -32,9 +32,7 @@ bool has_smooth_surface(const PackedScene& scene) {
   });
 }
 
-bool may_lose_light(const PackedScene& scene) {
-  return has_smooth_surface(scene) && has_lamps_unseen(scene);
-}
+bool may_lose_light(const PackedScene& scene) { return has_smooth_surface(scene) && has_lamps_unseen(scene); }
 
 std::string unlit_bodies(const PackedScene& scene) {
   const bool lamps = has_lamps_unseen(scene);

@@ -211,9 +211,9 @@ struct Light {
   float probability; // probability of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
   uint end;          // end of its interval, which begins at the end of the previous light's
-  // KLightTriangle: mean density of its points, per unit of world area, the choice of the light included. Others: extent
-  // of a soft lamp (kernels/light/soft_lamps.glsl), which is the radius of its sphere, or of a directional light 1 minus
-  // the cosine of half its angle; 0 = none.
+  // KLightTriangle: mean density of its points, per unit of world area, the choice of the light included. Others:
+  // extent of a soft lamp (kernels/light/soft_lamps.glsl), which is the radius of its sphere, or of a directional light
+  // 1 minus the cosine of half its angle; 0 = none.
   float pdf_area;
   uint triangle;    // kLightTriangle: one of its copies
   uint instance;    // kLightTriangle; 0 where the scene is not instanced

@@ -27,8 +27,8 @@ GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSor
                                          // that hit, from the front, and of those that escaped, from the back
 GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
 // Storage uvec4[], one a slot: samplers that generate keeps (kFeatureAdaptive), and behind all of them the vertex that
-// the path was scattered at (kFeatureLightTree, or kFeaturePanes with triangle lights or soft lamps): position and packed normal,
-// panes that it passed straight not counted; of a light path: the light that it began at.
+// the path was scattered at (kFeatureLightTree, or kFeaturePanes with triangle lights or soft lamps): position and
+// packed normal, panes that it passed straight not counted; of a light path: the light that it began at.
 GPU_CONSTANT uint kBindReceivers = 59u;
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
 GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)

@@ -49,8 +49,8 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
 bool keeps_receivers(const BufferDimensions& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
-  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes ||
-                                         has(gpu::kFeatureSoftLamps));
+  return !(e.options & kStatesAlone) &&
+         (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes || has(gpu::kFeatureSoftLamps));
 }
 
 // Words of lights, followed by those of parts of the sky.

@@ -108,8 +108,8 @@ Imath::M44f world_to_ndc(const View& view) {
 // Channels that --half leaves at 32 bits: half holds all whole numbers only up to 2048, and ends at 65504, which
 // distances and positions may exceed; the depth of a miss always does.
 bool needs_float(const std::string& name) {
-  return name == "samples" || name == "Z" || name == "Z0" || name == "Zmin" || name.starts_with("P.") || name.starts_with("P0.") ||
-         name.starts_with("id.") || name.starts_with("Crypto");
+  return name == "samples" || name == "Z" || name == "Z0" || name == "Zmin" || name.starts_with("P.") ||
+         name.starts_with("P0.") || name.starts_with("id.") || name.starts_with("Crypto");
 }
 
 Imath::M44f to_matrix(const std::array<float, 16>& values) {

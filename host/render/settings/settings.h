@@ -133,7 +133,7 @@ struct RenderSettings {
   std::uint32_t reuse = kReuseAuto; // reuse of paths between neighbouring pixels (path_reuse.h)
   std::uint32_t adaptive = kAdaptiveAuto; // more samples where a pilot found more noise (adaptive.h)
   double clamp = 0.0; // largest radiance of a sample, in its brightest channel; biased; 0 = no limit
-  bool guide = false;                     // path guiding: directions are also drawn from a trained field
+  bool guide = false; // path guiding: directions are also drawn from a trained field
   bool specialize = true;
   std::vector<std::string> aovs;         // values of --aov
   bool aov_through = false;              // albedo and normal are those of what mirrors and smooth glass show

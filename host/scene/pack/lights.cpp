@@ -170,7 +170,8 @@ void add_punctual(const Scene& scene, bool directional, double radius, PackedSce
     light.intensity = source.intensity;
     light.position = source.position - packed.origin;
     light.inverse_range = !directional && source.range > 0.0 ? static_cast<float>(1.0 / source.range) : 0.0f;
-    light.pdf_area = static_cast<float>(directional ? 2.0 * std::pow(std::sin(0.5 * source.extent), 2.0) : source.extent);
+    light.pdf_area =
+        static_cast<float>(directional ? 2.0 * std::pow(std::sin(0.5 * source.extent), 2.0) : source.extent);
     double power = luminance(source.intensity);
     switch (source.kind) {
       case LightKind::point:
