@@ -102,8 +102,8 @@ void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
   start.weights = PathWeights(1.0 / square(cone_pdf(light)), 0.0);
 }
 
-// On a soft lamp: the direction as from a point, the position even over the disc that the sphere shows to it. The weight
-// of a connection depends on where the path arrives: start_ratio().
+// On a soft lamp: the direction as from a point, the position even over the disc that the sphere shows to it. The
+// weight of a connection depends on where the path arrives: start_ratio().
 void start_on_sphere(Light light, uvec2 u_position, vec2 u_direction, inout LightStart start) {
   start_at_point(light, u_direction, start);
   float radius = lamp_extent(light);

@@ -109,8 +109,8 @@ LightSample sample_soft_lamp(Light light, vec3 from, uvec2 u) {
       normalize(to_world(vec3(sqrt(height * (2.0 - below)) * place, 1.0 - below), tangent, bitangent, axis));
   float distance_ = 0.0;
   if (!s.distant) {
-    float distance2 = dot(offset, offset), radius2 = square_of(lamp_extent(light)), along = sqrt(distance2) * (1.0 - below),
-          half_ = sqrt(max(radius2 - distance2 * sine2, 0.0));
+    float distance2 = dot(offset, offset), radius2 = square_of(lamp_extent(light)),
+          along = sqrt(distance2) * (1.0 - below), half_ = sqrt(max(radius2 - distance2 * sine2, 0.0));
     bool inside = distance2 < radius2;
     distance_ = inside ? along + half_ : max((distance2 - radius2) / (along + half_), 0.0);
     s.target = from + distance_ * s.direction;

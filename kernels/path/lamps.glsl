@@ -1,5 +1,5 @@
-// Soft lamps that rays of paths meet by chance: spheres on the way, and directional lights by rays that leave the scene.
-// Camera rays do not look for them. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS and
+// Soft lamps that rays of paths meet by chance: spheres on the way, and directional lights by rays that leave the
+// scene. Camera rays do not look for them. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS and
 // BIND_PATHS first.
 #ifndef WAVEPATH_PATH_LAMPS_GLSL
 #define WAVEPATH_PATH_LAMPS_GLSL
