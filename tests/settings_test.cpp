@@ -38,7 +38,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
                shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
                techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, clamp, guide,
-               specialize, aovs, aov_through] = settings;
+               specialize, aovs, aov_through, light_groups] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
@@ -107,6 +107,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"specialize", text(specialize)},
       {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
       {"aov_through", text(aov_through)},
+      {"light_groups", fmt::format("{}", fmt::join(light_groups, ","))},
   };
 }
 
@@ -131,6 +132,7 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (row.name == "size") return differing({"33x17", "640x480"});
   if (row.name == "samples") return differing({"3:5", "4:6"});
   if (row.name == "aov") return differing({"albedo,depth", "normal"});
+  if (row.name == "light-groups") return differing({"each", "Key,Fill"});
   if (row.name == "blades") return differing({"5", "6"});
   if (row.name == "shadow-bias") return differing({"normal:2", "plane:3"});
   if (row.name == "shadow-bits") return differing({"16", "32"});

@@ -133,7 +133,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       uint vertex_index = light_counts[ray.slot]++;
       store_light_vertex(light_vertex_index(ray.slot, vertex_index),
                          LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1,
-                                     hit.b2, weights.others, outside, HAS_LIGHT_GROUPS ? path_group(ray.slot) : 0u, 0u));
+                                     hit.b2, weights.others, outside,
+                                     HAS_LIGHT_GROUPS ? path_group(ray.slot) : 0u, 0u));
     }
   }
   if (wave.bounce < frame.max_depth) {

@@ -1,5 +1,5 @@
-// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT,
-// BIND_PATHS and BIND_GROUPS first.
+// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS,
+// BIND_ENVIRONMENT, BIND_PATHS and BIND_GROUPS first.
 #ifndef WAVEPATH_PATH_ESCAPE_GLSL
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
