@@ -17,7 +17,7 @@
 #include "host/film/film.h"
 #include "host/film/group_layers.h"
 #include "host/picture/files/picture_io.h"
-#include "host/picture/relight.h"
+#include "host/picture/files/relight.h"
 #include "host/plan/memory.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"

@@ -16,7 +16,7 @@
 #include "host/film/group_layers.h"
 #include "host/passes/passes.h"
 #include "host/picture/files/picture_io.h"
-#include "host/picture/relight.h"
+#include "host/picture/files/relight.h"
 
 namespace wavepath {
 namespace {

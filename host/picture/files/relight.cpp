@@ -1,4 +1,4 @@
-#include "host/picture/relight.h"
+#include "host/picture/files/relight.h"
 
 #include <algorithm>
 #include <array>
