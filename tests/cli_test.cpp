@@ -209,6 +209,24 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");
 }
 
+TEST(Usage, AlphaThatCannotBeToldIsRefused) {
+  const auto refused = [](std::vector<std::string> flags, const std::string& why, int exit_code = 2) {
+    flags.insert(flags.begin(), {"render", kBox});
+    expect_error(flags, exit_code, why);
+  };
+  refused({"--integrator", "whitted", "--transparent"},
+          "--transparent: is not supported by --integrator whitted; use --integrator path");
+  refused({"--integrator", "hybrid", "--catcher", "ground"}, "--catcher: is not known to --integrator hybrid");
+  refused({"--integrator", "bidirectional", "--catcher", "ground"},
+          "--catcher: is not known to --integrator bidirectional");
+  refused({"--integrator", "bidirectional", "--aov", "shadow"}, "--aov shadow: is not supported");
+  refused({"--integrator", "hybrid", "--aov", "environment"}, "--aov environment: is not supported");
+  refused({"--catcher", ""}, "--catcher");
+  refused({"--transparent", "--reuse"}, "--reuse: shares light between pixels");
+  refused({"--catcher", "ground", "--direct", "nee", "--integrator", "path"}, "--catcher: compares light");
+  refused({"--catcher", "no such node"}, "--catcher: no node no such node shows triangles");
+}
+
 TEST(Usage, CamerasThatCannotBeAreRefused) {
   const auto refused = [](std::vector<std::string> flags, const std::string& why) {
     flags.insert(flags.begin(), {"render", kBox});

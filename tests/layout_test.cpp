@@ -19,6 +19,7 @@
 #include "kernels/base/scene_types.h"
 #include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/bidirectional/photon_types.h"
+#include "kernels/film/cover_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -185,7 +186,11 @@ TEST(Layout, Frame) {
            AT(Frame, clip_near),
            AT(Frame, clip_far),
            AT(Frame, eye_offset),
-           AT(Frame, angle_limit)});
+           AT(Frame, angle_limit),
+           AT(Frame, cover),
+           AT(Frame, first_catcher),
+           AT(Frame, end_catcher),
+           AT(Frame, pad_cover)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_entries)});
@@ -282,6 +287,14 @@ TEST(Layout, Bidirectional) {
           {AT(Photon, position), AT(Photon, normal), AT(Photon, direction), AT(Photon, link), AT(Photon, light),
            AT(Photon, others)});
   compare("PhotonCell", sizeof(PhotonCell), {AT(PhotonCell, count), AT(PhotonCell, first)});
+  compare("PathCover", sizeof(PathCover),
+          {AT(PathCover, environment), AT(PathCover, escaped), AT(PathCover, unblocked), AT(PathCover, arrived),
+           AT(PathCover, caught_unblocked), AT(PathCover, caught_arrived), AT(PathCover, light_scale),
+           AT(PathCover, state), AT(PathCover, pad0), AT(PathCover, pad1), AT(PathCover, pad2)});
+  compare("FilmCover", sizeof(FilmCover),
+          {AT(FilmCover, environment), AT(FilmCover, escaped), AT(FilmCover, unblocked), AT(FilmCover, arrived),
+           AT(FilmCover, caught_unblocked), AT(FilmCover, caught_arrived), AT(FilmCover, tops), AT(FilmCover, count),
+           AT(FilmCover, caught)});
   compare("SplatPixel", sizeof(SplatPixel),
           {AT(SplatPixel, red), AT(SplatPixel, green), AT(SplatPixel, blue), AT(SplatPixel, largest)});
 }

@@ -48,7 +48,7 @@ protected:
   }
   Json stats() const { return Json::parse(std::ifstream(path("stats.json"))); }
   static void expect_same_bits(const Picture& a, const Picture& b) {
-    for (const char* name : {"R", "G", "B"}) {
+    for (const char* name : {"R", "G", "B", "A"}) {
       ASSERT_TRUE(find_channel(a, name) && find_channel(b, name));
       EXPECT_EQ(find_channel(a, name)->values, find_channel(b, name)->values) << name;
     }
@@ -102,6 +102,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"shutter",
              {"LAMPS", "--size", "96x72", "--spp", "8", "--max-depth", "2", "--animation", "slide", "--shutter",
               "0.2,0.8"}},
+        Case{"catcher",
+             {kScenes + "showcase.glb", "--size", "64x48", "--spp", "4", "--max-depth", "3", "--catcher", "ground",
+              "--env", "0.5,0.6,0.7"}},
         Case{"fisheye",
              {kScenes + "cornell_box.gltf", "--size", "64x48", "--spp", "4", "--max-depth", "3", "--projection",
               "fisheye", "--fov", "171.3", "--shift", "0.1,0.2", "--clip", "0.1,inf"}},

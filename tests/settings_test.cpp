@@ -38,7 +38,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
                shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
                techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, clamp, guide,
-               specialize, aovs, aov_through, light_groups] = settings;
+               specialize, aovs, aov_through, light_groups, transparent] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
@@ -108,6 +108,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
       {"aov_through", text(aov_through)},
       {"light_groups", fmt::format("{}", fmt::join(light_groups, ","))},
+      {"transparent", text(transparent)},
   };
 }
 

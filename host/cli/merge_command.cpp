@@ -88,10 +88,20 @@ std::string read_identity(const std::string& path) {
 
 // Channels that the parts have besides R G B A, as names of --aov.
 std::vector<std::string> aovs_of(const Picture& picture) {
-  const std::pair<const char*, const char*> names[] = {
-      {"albedo", "albedo.R"},     {"normal", "N.X"},          {"depth", "Z"},           {"position", "P.X"},
-      {"variance", "variance.R"}, {"samples", "samples"},     {"direct", "direct.R"},   {"indirect", "indirect.R"},
-      {"emission", "emission.R"}, {"roughness", "roughness"}, {"metallic", "metallic"}, {"ids", "id.triangle"}};
+  const std::pair<const char*, const char*> names[] = {{"albedo", "albedo.R"},
+                                                       {"normal", "N.X"},
+                                                       {"depth", "Z"},
+                                                       {"position", "P.X"},
+                                                       {"variance", "variance.R"},
+                                                       {"samples", "samples"},
+                                                       {"direct", "direct.R"},
+                                                       {"indirect", "indirect.R"},
+                                                       {"emission", "emission.R"},
+                                                       {"roughness", "roughness"},
+                                                       {"metallic", "metallic"},
+                                                       {"ids", "id.triangle"},
+                                                       {"shadow", "shadow"},
+                                                       {"environment", "environment.R"}};
   std::vector<std::string> aovs;
   for (const auto& [name, channel] : names)
     if (find_channel(picture, channel)) aovs.emplace_back(name);

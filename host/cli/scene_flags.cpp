@@ -16,6 +16,7 @@
 #include "host/base/shell_quote.h"
 #include "host/cli/flags.h"
 #include "host/render/settings/setting.h"
+#include "host/scene/staging/catcher.h"
 #include "host/scene/staging/default_light.h"
 #include "host/scene/staging/environment.h"
 #include "host/scene/staging/ground.h"
@@ -158,6 +159,18 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
              if (request.load.shutter->second < request.load.shutter->first)
                value.refuse("closes before it opens", "give the earlier moment first");
            });
+  add_flag(
+      app, "Scene",
+      {"--catcher", "ground|NODE",
+       "shadow catcher, for pictures to be put over a photograph that shows this surface. Alpha is the share of its "
+       "light that objects take, colour the light that they bring. ground: the floor of --ground, which it adds. "
+       "NODE: name or index of a node of the file. Implies --transparent",
+       "none", kAdvanced},
+      [&](const FlagValue& value) {
+        if (value.text.empty()) value.refuse("names nothing", "give ground, or a node of the file");
+        request.catcher = value.text;
+        request.ground |= value.text == "ground";
+      });
   add_flag(app, "Scene",
            {"--staged-at", "SECONDS",
             "time in the animation whose pose decides what the file leaves open: framing, default light, height of "
@@ -174,6 +187,14 @@ void check_shutter(const SceneRequest& request, RenderPlan& settings) {
   if (!supports(*settings.integrator, "shutter"))
     throw UsageError("--shutter", fmt::format("cannot be shown by --integrator {}", settings.integrator->name),
                      fmt::format("use --integrator {}", supporters_text("shutter")));
+}
+
+void check_catcher(const SceneRequest& request, RenderPlan& settings) {
+  settings.catches = !request.catcher.empty();
+  settings.transparent |= settings.catches;
+  if (settings.catches && !supports(settings.integrator, "transparent"))
+    throw UsageError("--catcher", fmt::format("is not known to --integrator {}", name_of(settings.integrator)),
+                     "use --integrator path");
 }
 
 void check_camera(const ViewRequest& view, const RenderPlan& settings) {
@@ -212,7 +233,8 @@ std::string flags_of(const SceneRequest& request) {
   add("--env", request.environment);
   if (request.environment_intensity != 1.0) add("--env-intensity", fmt::format("{}", request.environment_intensity));
   if (request.environment_degrees != 0.0) add("--env-rotation", fmt::format("{}", request.environment_degrees));
-  if (request.ground) flags += " --ground";
+  if (request.ground && request.catcher != "ground") flags += " --ground";
+  add("--catcher", request.catcher);
   if (request.sun) flags += fmt::format(" --sun {},{}", request.sun->x, request.sun->y);
   if (request.sun_angle > 0.0) flags += fmt::format(" --sun-angle {}", request.sun_angle);
   if (request.lamp_radius > 0.0) flags += fmt::format(" --lamp-radius {}", request.lamp_radius);
@@ -326,6 +348,17 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   add_projection_flags(app, request);
 }
 
+namespace {
+
+// The floor of --ground comes last, since it follows the environment in a window.
+void stage_floor(const SceneRequest& request, const Framing& framing, Scene& scene) {
+  if (!request.catcher.empty()) add_catcher(scene, request.catcher);
+  if (request.ground) add_ground(scene, framing.bounds);
+  if (request.catcher == "ground") catch_ground(scene);
+}
+
+} // namespace
+
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
   LoadedScene loaded;
   SceneRequest staged = request;
@@ -349,7 +382,7 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
       loaded.light = fmt::format("a sun (--sun {},{}){}", loaded.sun->x, loaded.sun->y,
                                  scene.lights.size() > 1 ? ", and as authored" : "");
     soften_lamps(request, scene);
-    if (request.ground) add_ground(scene, loaded.framing.bounds);
+    stage_floor(request, loaded.framing, scene);
     if (described) described(scene);
   });
   if (staged.load.at != request.load.at || staged.load.shutter != request.load.shutter) pose_again(request, loaded);
@@ -365,7 +398,7 @@ bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
   if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
   if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
   soften_lamps(request, scene);
-  if (request.ground) add_ground(scene, loaded.framing.bounds);
+  stage_floor(request, loaded.framing, scene);
   return loaded.file->is_still();
 }
 

@@ -25,6 +25,7 @@ struct SceneRequest {
   double environment_intensity = 1.0;
   double environment_degrees = 0.0; // rotation of the environment about +Y
   bool ground = false;
+  std::string catcher;                       // the shadow catcher: "ground", or a node; empty = none
   std::optional<glm::dvec2> sun;             // degrees: azimuth from +X towards +Z, elevation
   double sun_angle = 0.0, lamp_radius = 0.0; // extent of punctual lights: degrees across, metres; 0 = none
   bool sun_if_unlit = false;                 // a scene without lights gets a sun, for studies of lamp shadows
@@ -39,6 +40,8 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request);
 // Refuses a shutter that the integrator cannot show, or that opens where nothing moves. Sets the shutter's members of
 // `settings`. Throws UsageError.
 void check_shutter(const SceneRequest& request, RenderPlan& settings);
+// Sets the members of `settings` that a shadow catcher asks for. Throws UsageError if the integrator knows none.
+void check_catcher(const SceneRequest& request, RenderPlan& settings);
 // Refuses flags of a camera that do not go together, or with the lens and the size of the picture.
 void check_camera(const ViewRequest& view, const RenderPlan& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.

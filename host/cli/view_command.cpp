@@ -89,6 +89,7 @@ void check(ViewCommandRequest& request) {
   if (denoises_film(settings))
     throw UsageError("--denoise", "filters finished pictures, and a window shows unfinished ones",
                      "use --integrator hybrid, or wavepath render");
+  check_catcher(request.scene, request.render.settings);
   check_shutter(request.scene, request.render.settings);
   check_camera(request.scene.view, request.render.settings);
   require_file(request.scene.path);

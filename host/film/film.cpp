@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "host/film/exact_sum.h"
 #include "host/film/group_layers.h"
@@ -64,6 +65,31 @@ void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
   mean.hits += other.hits;
 }
 
+constexpr int kCoverSums = 8; // of FilmCover, the first three of the environment
+
+const gpu::ExactSum& sum_of(const gpu::FilmCover& cover, int index) {
+  const gpu::ExactSum* const others[] = {&cover.escaped, &cover.unblocked, &cover.arrived, &cover.caught_unblocked,
+                                         &cover.caught_arrived};
+  return index < 3 ? cover.environment[index] : *others[index - 3];
+}
+gpu::ExactSum& sum_of(gpu::FilmCover& cover, int index) {
+  return const_cast<gpu::ExactSum&>(sum_of(std::as_const(cover), index));
+}
+std::uint32_t top_of(const gpu::FilmCover& cover, int index) { return cover.tops[index / 4] >> 8 * (index % 4) & 0xff; }
+double total_of(const gpu::FilmCover& cover, int index) { return value_of(sum_of(cover, index), top_of(cover, index)); }
+
+void join(gpu::FilmCover& cover, const gpu::FilmCover& other) {
+  std::uint32_t tops[2] = {};
+  for (int i = 0; i < kCoverSums; ++i) {
+    std::uint32_t top = top_of(cover, i);
+    add(sum_of(cover, i), top, sum_of(other, i), top_of(other, i));
+    tops[i / 4] |= top << 8 * (i % 4);
+  }
+  std::copy_n(tops, 2, cover.tops);
+  cover.count += other.count;
+  cover.caught += other.caught;
+}
+
 void join(std::uint32_t sum[4], const std::uint32_t other[4]) {
   std::uint64_t carry = 0;
   for (int word = 0; word < 4; ++word) {
@@ -101,6 +127,20 @@ PixelReplicates replicates_of(const Film& film, std::size_t pixel) {
   const std::size_t block = block_of(film, pixel);
   const bool probed = probed_pixel(film, block) == pixel;
   return {&film.pixels[pixel], probed ? &film.pixels[film.shape().pixels() + block] : nullptr};
+}
+
+gpu::FilmCover cover_of(const Film& film, std::size_t pixel) {
+  gpu::FilmCover cover = film.cover[pixel];
+  if (!film.has_probes) return cover;
+  const std::size_t block = block_of(film, pixel);
+  if (probed_pixel(film, block) == pixel) join(cover, film.cover[film.shape().pixels() + block]);
+  return cover;
+}
+
+// The share of light that arrives; all where there is none.
+double arrived_share(const gpu::FilmCover& cover, int unblocked, int arrived) {
+  const double all = total_of(cover, unblocked);
+  return all > 0.0 ? std::clamp(total_of(cover, arrived) / all, 0.0, 1.0) : 1.0;
 }
 
 // Mean light that the light paths of one replicate brought to a pixel.
@@ -174,6 +214,13 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
     add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
   } else if (name == "samples") {
     add_channel(picture, "samples", [&](std::size_t i) { return sample_count(film, i); });
+  } else if (name == "shadow") {
+    add_channel(picture, "shadow", [&](std::size_t i) { return lit_share(film, i); });
+  } else if (name == "environment") {
+    add_channels(picture, "environment.", "RGB", [&](std::size_t i, int c) {
+      const gpu::FilmCover cover = cover_of(film, i);
+      return cover.count > 0 ? total_of(cover, c) / cover.count : 0.0;
+    });
   } else if (name == "direct") {
     add_channels(picture, "direct.", "RGB", [&](std::size_t i, int c) { return aovs[i].direct[c]; });
   } else if (name == "emission") {
@@ -192,13 +239,14 @@ bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
          same_bytes(aovs, other.aovs) && same_bytes(groups, other.groups) &&
          same_bytes(group_splats, other.group_splats) && same_bytes(splats, other.splats) &&
-         light_paths == other.light_paths && has_probes == other.has_probes && quads == other.quads &&
-         (!has_probes || seed == other.seed);
+         same_bytes(cover, other.cover) && light_paths == other.light_paths && has_probes == other.has_probes &&
+         quads == other.quads && (!has_probes || seed == other.seed);
 }
 
 Film make_film(const FilmShape& shape) {
   Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.replicates()), {}, {}, {}};
   if (shape.aovs) film.aovs.resize(shape.entries());
+  if (shape.cover) film.cover.resize(shape.entries());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
   film.groups.resize(shape.entries() * shape.groups), film.group_count = shape.groups;
   if (shape.splats) film.group_splats.resize(shape.pixels() * shape.groups);
@@ -239,6 +287,7 @@ void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.splats.size(); ++i) join(film.splats[i], other.splats[i]);
   for (std::size_t i = 0; i < film.groups.size(); ++i) join(film.groups[i], other.groups[i]);
   for (std::size_t i = 0; i < film.group_splats.size(); ++i) join(film.group_splats[i], other.group_splats[i]);
+  for (std::size_t i = 0; i < film.cover.size(); ++i) join(film.cover[i], other.cover[i]);
   for (std::size_t r = 0; r < gpu::kReplicates; ++r) film.light_paths[r] += other.light_paths[r];
 }
 
@@ -262,6 +311,18 @@ double clamped_fraction(const Film& film, double radiance) {
     lost += radiance / gpu::kClampUnits * pixel.clamped / pixel.count;
   }
   return lost > 0.0 ? lost / (kept + lost) : 0.0;
+}
+
+double transparency(const Film& film, std::size_t pixel) {
+  if (film.cover.empty()) return 0.0;
+  const gpu::FilmCover cover = cover_of(film, pixel);
+  if (cover.count == 0) return 0.0;
+  const double seen = total_of(cover, 3) + cover.caught * arrived_share(cover, 6, 7);
+  return std::clamp(seen / cover.count, 0.0, 1.0);
+}
+
+double lit_share(const Film& film, std::size_t pixel) {
+  return film.cover.empty() ? 1.0 : arrived_share(cover_of(film, pixel), 4, 5);
 }
 
 float largest_sample(const Film& film, std::size_t pixel) {
@@ -342,7 +403,7 @@ Picture develop(const Film& film, const std::vector<std::string>& aovs, const gl
   means.reserve(std::size_t{film.width} * film.height);
   for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) means.emplace_back(mean_radiance(film, i));
   add_channels(picture, "", "RGB", [&](std::size_t i, int c) { return means[i][c]; });
-  add_channels(picture, "", "A", [](std::size_t, int) { return 1.0f; });
+  add_channels(picture, "", "A", [&](std::size_t i, int) { return 1.0 - transparency(film, i); });
   for (const std::string& name : aovs) add_aov(picture, film, name, origin);
   const std::vector<std::string> layers = group_layers(groups);
   for (std::uint32_t g = 0; g < std::min<std::size_t>(film.group_count, groups.size()); ++g)

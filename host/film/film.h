@@ -11,6 +11,7 @@
 #include "host/picture/picture.h"
 #include "kernels/base/error_probes.h"
 #include "kernels/base/frame_types.h"
+#include "kernels/film/cover_types.h"
 #include "kernels/film/film_types.h"
 
 namespace wavepath {
@@ -23,6 +24,7 @@ struct FilmShape {
   std::uint32_t seed = 0;   // seed of the render, which picks the probed pixels
   bool quads = false;       // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
   std::uint32_t groups = 0; // of lights, whose light has sums of its own
+  bool cover = false;       // sums of transparency and shadow (host/render/settings/cover.h)
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   // Value of gpu::Frame::probes.
@@ -39,6 +41,7 @@ struct FilmShape {
   // Memory of all sums.
   std::uint64_t bytes() const {
     return replicates() * sizeof(gpu::FilmPixel) + (aovs ? entries() * sizeof(gpu::FilmAovs) : 0) +
+           (cover ? entries() * sizeof(gpu::FilmCover) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0) + group_bytes();
   }
   std::uint64_t group_bytes() const {
@@ -60,6 +63,7 @@ struct Film {
   std::vector<gpu::FilmPixel> groups;
   std::vector<gpu::SplatPixel> group_splats; // of all replicates, `group_count` for each pixel; empty without splats
   std::uint32_t group_count = 0;
+  std::vector<gpu::FilmCover> cover;   // empty without; probes have their own
   // Number of light paths of each replicate: one for each sample of all pixels. Each may have added light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
   bool has_probes = false;
@@ -69,7 +73,7 @@ struct Film {
   std::vector<std::uint32_t> probed;
 
   FilmShape shape() const {
-    return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count};
+    return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count, !cover.empty()};
   }
   bool operator==(const Film& other) const; // bit by bit
 };
@@ -110,6 +114,11 @@ gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel);
 
 // Part of all light that samples had before --clamp dimmed them to this radiance, which it took; R + G + B.
 double clamped_fraction(const Film& film, double radiance);
+
+// Share of the background that a pixel lets through, and of the direct light of its surfaces that arrives; 0 and 1
+// without such sums.
+double transparency(const Film& film, std::size_t pixel);
+double lit_share(const Film& film, std::size_t pixel);
 
 // The largest sample of a pixel, by R + G + B.
 float largest_sample(const Film& film, std::size_t pixel);

@@ -17,7 +17,22 @@ double luminance_at(const Picture& picture, std::size_t i) {
   return 0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2);
 }
 
+// Blocks that are mostly transparent show something else, whatever they add to it. `alpha`: null = none is.
+bool is_seen(const Picture& picture, const std::vector<float>* alpha, std::uint32_t left, std::uint32_t top,
+             std::uint32_t right, std::uint32_t bottom, double& opaque) {
+  opaque = double(bottom - top) * double(right - left);
+  if (!alpha) return true;
+  const double pixels = opaque;
+  opaque = 0.0;
+  for (std::uint32_t y = top; y < bottom; ++y)
+    for (std::uint32_t x = left; x < right; ++x) opaque += (*alpha)[std::size_t{y} * picture.width + x];
+  return opaque >= 0.5 * pixels;
+}
+
 std::vector<double> block_luminances(const Picture& picture) {
+  const auto a = std::ranges::find(picture.channels, "A", &Channel::name);
+  const std::vector<float>* alpha = a == picture.channels.end() ? nullptr : &a->values;
+
   const std::uint32_t side = std::max((std::max(picture.width, picture.height) + kBlocks - 1) / kBlocks, 1u);
   std::vector<double> blocks;
   for (std::uint32_t top = 0; top < picture.height; top += side)
@@ -26,7 +41,8 @@ std::vector<double> block_luminances(const Picture& picture) {
       double sum = 0.0;
       for (std::uint32_t y = top; y < bottom; ++y)
         for (std::uint32_t x = left; x < right; ++x) sum += luminance_at(picture, std::size_t{y} * picture.width + x);
-      if (sum > 0.0) blocks.push_back(sum / (double(bottom - top) * double(right - left)));
+      double opaque = 0.0;
+      if (sum > 0.0 && is_seen(picture, alpha, left, top, right, bottom, opaque)) blocks.push_back(sum / opaque);
     }
   return blocks;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/render/pilot_picture.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/packed_scene.h"
 
@@ -34,7 +35,7 @@ std::optional<Disagreement> find_disagreement(Device& device, const PackedScene&
   const auto gap_at = [&](std::uint32_t samples, std::uint32_t seed) -> std::optional<Disagreement> {
     std::array<PictureLight, 2> light;
     for (std::size_t i = 0; i < 2; ++i) {
-      RenderPlan once = pilot_settings(i == 0 ? first : second, kAgreementSide, samples);
+      RenderPlan once = without_cover(pilot_settings(i == 0 ? first : second, kAgreementSide, samples));
       once.max_depth = std::min(once.max_depth, 1u);
       once.guide = false, once.reuse = kReuseOff; // both training and reuse begin at the second bounce
       once.seed = first.seed ^ seed;

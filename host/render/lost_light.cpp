@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/render/agreement.h"
 #include "host/render/pilot_picture.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/packed_scene.h"
 
@@ -59,7 +60,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   if (const std::string problem = (*finder)->unsupported_reason ? (*finder)->unsupported_reason(settings, scene) : "";
       !problem.empty())
     throw Error(fmt::format("--integrator {}", (*finder)->name), problem, "nothing else finds such light");
-  RenderPlan small = pilot_settings(settings, kLostLightSide, kLostLightSamples);
+  RenderPlan small = without_cover(pilot_settings(settings, kLostLightSide, kLostLightSamples));
   small.clamp = 0.0; // the other integrator does not know it
   small.training.found = shared.light_probabilities;
   const PictureLight found = light_of(*render_pilot(device, scene, view, small, progress, kernels, shared).film);

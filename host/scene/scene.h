@@ -105,6 +105,8 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   Environment environment;
+  // Materials first <= m < end are those of the shadow catcher alone (host/scene/staging/catcher.h).
+  std::uint32_t first_catcher = 0, end_catcher = 0;
   std::vector<std::string> extensions_used;
   Warnings warnings;
 };

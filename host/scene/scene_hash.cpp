@@ -109,7 +109,7 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
   const auto& [path, files, images, materials, meshes, instances, node_names, cameras, lights, environment,
-               extensions_used, warnings] = scene;
+               first_catcher, end_catcher, extensions_used, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);
@@ -117,6 +117,10 @@ std::uint64_t hash_scene(const Scene& scene) {
   add_each(hash, instances);
   add_each(hash, lights);
   add(hash, environment);
+  if (end_catcher > first_catcher) {
+    hash.add(first_catcher);
+    hash.add(end_catcher);
+  }
   return hash.value();
 }
 

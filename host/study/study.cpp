@@ -363,7 +363,7 @@ private:
 
   static void add_signals(RenderPlan& settings) {
     settings.aovs = {"direct"};
-    if (!settings.integrator->aovs.empty()) settings.aovs.emplace_back("ao");
+    if (std::ranges::count(settings.integrator->aovs, "ao") > 0) settings.aovs.emplace_back("ao");
   }
 
   // Returns where shadows are false, if the grid varies them.

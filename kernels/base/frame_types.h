@@ -67,19 +67,23 @@ struct Frame {
   // Width of a pixel's cone in metres: perspective cameras at a distance of 1 m, orthographic ones everywhere; 0 =
   // textures are looked up exactly (kFeatureMips).
   float pixel_spread;
-  uint sky_samples;  // directions in which a vertex looks for a sky of one colour (kSpecSky)
-  uvec2 top_level;   // device address of the scene's structure for ray queries: low, high
-  uint reuses_paths; // 1: pixels share the paths of their neighbours (kSpecReuse)
-  float quad_scale;  // scale of the pixels of a quad about its middle, where pixels may reuse paths
-  uint camera_model; // kCameraPlain or another (kFeatureCameraModel), which the members below belong to
-  uint eyes;         // kEyesOne, kEyesBeside or kEyesStacked
-  vec2 camera_shift; // added to x and y
-  float clip_near;   // camera rays begin here: along the view axis, in a panorama from the eye
-  float clip_far;    // camera rays end here; kFar = nowhere
-  float eye_offset;  // metres from the middle to each eye of a stereo pair
-  float angle_limit; // radians from the axis of a fisheye up to which it sees anything
+  uint sky_samples;   // directions in which a vertex looks for a sky of one colour (kSpecSky)
+  uvec2 top_level;    // device address of the scene's structure for ray queries: low, high
+  uint reuses_paths;  // 1: pixels share the paths of their neighbours (kSpecReuse)
+  float quad_scale;   // scale of the pixels of a quad about its middle, where pixels may reuse paths
+  uint camera_model;  // kCameraPlain or another (kFeatureCameraModel), which the members below belong to
+  uint eyes;          // kEyesOne, kEyesBeside or kEyesStacked
+  vec2 camera_shift;  // added to x and y
+  float clip_near;    // camera rays begin here: along the view axis, in a panorama from the eye
+  float clip_far;     // camera rays end here; kFar = nowhere
+  float eye_offset;   // metres from the middle to each eye of a stereo pair
+  float angle_limit;  // radians from the axis of a fisheye up to which it sees anything
+  uint cover;         // kCover bits of what is asked for (kFeatureCover)
+  uint first_catcher; // materials first_catcher <= m < end_catcher are those of the shadow catcher
+  uint end_catcher;
+  uint pad_cover;
 };
-GPU_CHECK(sizeof(Frame) == 224);
+GPU_CHECK(sizeof(Frame) == 240);
 
 GPU_CONSTANT uint kCameraPlain = 0u, kCameraPlane = 1u, kCameraFisheye = 2u, kCameraSphere = 3u;
 GPU_CONSTANT uint kEyesOne = 0u, kEyesBeside = 1u, kEyesStacked = 2u; // the left eye on the left, or on top

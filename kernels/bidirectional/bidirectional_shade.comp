@@ -26,6 +26,7 @@
 #include "kernels/bidirectional/receiver.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/light_groups.glsl"
@@ -158,6 +159,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   vec3 wi;
   if (!vertex_sample(v, u_choice.x, u, s, wi)) return false;
   if (!sides_agree(v, s, wi)) return false;
+  if (COVERS && !(s.pdf < 0.0 && s.transmitted)) leave_straight(slot);
 
   float cosine = surface_cosine(v, wi);
   if (s.pdf < 0.0) {
@@ -251,18 +253,22 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
 
   // A ray that left the scene.
   if (hit.triangle == kNone) {
-    if (!hits) return;
-    meet_lamps(ray, kFar, path);
+    if (hits) meet_lamps(ray, kFar, path);
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
+    if (!hits) {
+      if (COVERS) note_escape(slot, path.throughput, vec3(0.0));
+      return;
+    }
     float pdf;
     vec3 radiance = environment_emission(ray.direction, pdf);
     float merged = merge_met_light(fetch_merge(slot), path.bsdf_pdf);
     PathWeights weights = fetch_weights(slot);
     float connect_pdf = pdf;
     if (was_chosen_there(weights)) connect_pdf *= environment_ratio(fetch_receiver(slot));
-    vec3 light = path.throughput * radiance * hit_weight(weights, connect_pdf, pdf * disk_pdf(), merged);
-    add_radiance(path, slot, light);
-    if (HAS_LIGHT_GROUPS) add_to_group(group_of_environment(), slot, light);
+    vec3 found = path.throughput * radiance * hit_weight(weights, connect_pdf, pdf * disk_pdf(), merged);
+    if (COVERS && note_escape(slot, path.throughput, found)) return;
+    add_radiance(path, slot, found);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_environment(), slot, found);
     return;
   }
 

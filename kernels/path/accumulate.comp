@@ -12,10 +12,12 @@
 #include "kernels/base/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/path/bindings.glsl"
+#include "kernels/film/cover.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/film/records.glsl"
 #include "kernels/base/math.glsl"
 #include "kernels/path/light_groups.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/reuse_gather.glsl"
 #include "kernels/base/pixel.glsl"
@@ -97,6 +99,11 @@ void main() {
                      (replicate + kReplicates - part.first_sample % kReplicates) % kReplicates, kReplicates);
   }
   if (HAS_LIGHT_GROUPS) accumulate_groups(part, first_slot, film_index);
+  if (COVERS)
+    for (uint s = 0u; s < part.samples; ++s) {
+      uint slot = first_slot + s * part.entries;
+      if (is_finite(gathered_radiance(slot))) accumulate_cover(film_index, path_cover[slot]);
+    }
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < part.samples; ++s) {
     uint slot = first_slot + s * part.entries;

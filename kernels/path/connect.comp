@@ -20,6 +20,7 @@
 #include "kernels/light/learned_sky.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/light_groups.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -111,6 +112,11 @@ void end_ray(uint index, Hit hit) {
     bool distant = queued_t_max == kFar;
     float metre = distant ? 1.0 : length(queued_direction);
     contribution *= bodies_passed(bodies, metre, distant ? kFarAway : metre);
+  }
+  if (COVERS && wave.bounce == 0u) {
+    uint index = kLightSamples > 1u || SAMPLES_SKY ? queues.first_shadow / frame.slot_count : 0u;
+    float scale = is_to_sky(shadow_ray) ? 1.0 : path_cover[shadow_ray.slot].light_scale[index];
+    if (note_arrived(shadow_ray.slot, contribution, scale)) return;
   }
   path.radiance += contribution;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, shadow_ray.slot);

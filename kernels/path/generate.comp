@@ -16,6 +16,7 @@
 #include "kernels/base/filter.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/light_groups.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/path/records.glsl"
@@ -50,6 +51,7 @@ void main() {
   begin_bodies(slot);
   begin_reuse(slot);
   if (HAS_LIGHT_GROUPS) clear_groups(slot);
+  if (COVERS) begin_cover(slot);
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);
     path_aovs[slot].depth = 0.0;

@@ -6,11 +6,13 @@
 
 #include "kernels/light/emission.glsl"
 #include "kernels/path/bodies.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/receiver.glsl"
 
-bool may_meet_lamps(PathState path) {
+bool may_meet_lamps(PathState path, uint slot) {
+  if (COVERS && comes_from_catcher(slot)) return false;
   return has_soft_lamps() && wave.bounce > 0u && !(kDirect == kDirectNee && path.bsdf_pdf >= 0.0);
 }
 
@@ -29,7 +31,7 @@ void add_lamp(inout PathState path, uint slot, uint index, vec3 light) {
 
 // Spheres before the ray has gone `end` metres. They come last among the local lights.
 void meet_lamps(Ray ray, float end, inout PathState path) {
-  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path)) return;
+  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path, ray.slot)) return;
   vec3 from = ray.origin;
   if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
   float begun = uses(kFeaturePanes) ? length(ray.origin - from) : 0.0;
@@ -46,7 +48,7 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
 
 // Directional lights behind all surfaces.
 void meet_distant_lamps(Ray ray, inout PathState path) {
-  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path)) return;
+  if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path, ray.slot)) return;
   for (uint i = frame.local_light_count; i < frame.light_count; ++i) {
     Light light = fetch_light(i);
     if (!is_in_cone(light, ray.direction)) continue;

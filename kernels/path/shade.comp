@@ -23,6 +23,7 @@
 #include "kernels/base/dimensions.glsl"
 #include "kernels/light/emission.glsl"
 #include "kernels/path/aovs_through.glsl"
+#include "kernels/path/cover.glsl"
 #include "kernels/path/escape.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/found_light.glsl"
@@ -73,9 +74,16 @@ float t_max_of(Vertex v, vec3 direction, bool distant) {
   return has(kFeatureVolume) && uses_walls() && is_behind(v, direction) ? behind_t_max(t_max) : t_max;
 }
 
-// Next-event estimation by one of light_sample_count() samples. Returns true if there is a shadow ray to trace.
+bool is_soft_lamp(uint index) {
+  if (!has_soft_lamps()) return false;
+  Light light = fetch_light(index);
+  return light.kind != kLightTriangle && light.kind != kLightEnvironment && is_soft(light);
+}
+
+// Next-event estimation by one of light_sample_count() samples, the one at `index`. Returns true if there is a shadow
+// ray to trace.
 bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
-                      vec3 throughput, out ShadowRay ray) {
+                      vec3 throughput, uint index, out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
@@ -85,10 +93,16 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   float density = light.pdf; // density of all light samples together
   if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
+  bool is_lamp = COVERS && wave.bounce == 0u && is_soft_lamp(light.light), is_caught_lamp = false;
+  if (is_lamp) is_caught_lamp = is_caught(slot);
+  if (is_caught_lamp) weight = 1.0; // no ray from there meets it
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
   float distance_ = light.distant ? kFarAway : length(light.target - v.surface.position);
   ray.contribution *= transmittance_towards(v, light.direction, distance_, slot);
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
+  if (COVERS && wave.bounce == 0u)
+    note_light_sample(slot, index, ray.contribution, weight,
+                      !light.delta && (is_lamp ? !is_caught_lamp : !light.distant));
 
   ray.slot = slot;
   ray.light = light.light;
@@ -132,7 +146,7 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
   for (uint i = 0u; i < light_sample_count(); ++i) {
     ShadowRay ray;
     bool wanted = connect_to_light(v, lobes, receiver, one_of(path_sampler, i, light_sample_count()), dimension, slot,
-                                   throughput, ray);
+                                   throughput, i, ray);
     if (!wanted) continue;
     store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
   }
@@ -170,6 +184,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
     ShadowRay ray;
     ray.contribution = throughput * frame.environment_radiance * weight * transmittance_towards(v, wi, kFarAway, slot);
     if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) continue;
+    if (COVERS && wave.bounce == 0u) note_unblocked(slot, ray.contribution, is_caught(slot));
     ray.slot = slot;
     ray.light = kNone;
     ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
@@ -202,6 +217,8 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   passed = uses(kFeaturePanes) && is_straight && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
   if (!sides_agree(v, s, wi)) return false;
+  if (COVERS && !(s.pdf < 0.0 && s.transmitted)) leave_straight(slot);
+  if (COVERS && wave.bounce > 0u && !passed) leave_catcher(slot);
   if (receives) scatter_receiver(v, lobes, s, wi, slot);
 
   path.throughput *= s.weight;
@@ -270,6 +287,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   if (scatters) {
     if (scatter_in_medium(ray, length(offset), path, next)) {
       end_behind(slot, path.throughput);
+      if (COVERS) leave_straight(slot), leave_catcher(slot);
       wants_ray = wave.bounce < frame.max_depth;
       if (wants_ray) wants_shadow = light_in_medium(ray, next, path, shadow);
       wants_ray = wants_ray && survives_medium(slot, path);
@@ -285,7 +303,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     may_be_pane = (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTrianglePane) != 0u;
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
-    if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // shadow rays do not get here
+    if (!lets_shadow_rays_pass(v)) { // shadow rays do not get here
+      path.bsdf_pdf = -1.0;
+      if (COVERS) leave_catcher(slot);
+    }
     next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction),
                slot, ray.direction, kFar);
     wants_ray = wave.bounce < frame.max_depth;
@@ -297,10 +318,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     record_behind(slot, path.throughput * v.bsdf.base_color, v.normal,
                   !bsdf_has_smooth(v.bsdf) && (material.flags & kMaterialUnlit) == 0u);
   disperse(v, path);
+  bool caught = COVERS && wave.bounce == 0u && catch_path(slot, v.surface.material);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the surface shows its base colour; it is never sampled as a light.
     vec3 light = path.throughput * v.bsdf.base_color;
+    if (COVERS && caught && note_light(slot, light)) return;
     add_radiance(path, slot, light);
     if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
     return;
@@ -314,8 +337,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     float light_pdf = solid_angle_pdf(pdf_area, offset, surface.geometric_normal);
     if (weighs && light_pdf > 0.0) light_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
     vec3 light = path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf);
-    add_radiance(path, slot, light);
-    if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
+    if (!(COVERS && caught && note_light(slot, light))) {
+      add_radiance(path, slot, light);
+      if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
+    }
   }
 
   // Light samples, directions to the sky, and the next ray.
@@ -333,7 +358,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     bool looks_for_sky = SAMPLES_SKY && bsdf_has_smooth(v.bsdf);
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_index(slot)));
-    Receiver receiver;
+    Receiver receiver = Receiver(vec3(0.0), vec3(0.0));
     if (connects || looks_for_sky) {
       receiver = store_receiver(slot, v);
       store_bodies_around(v, slot);
@@ -344,10 +369,15 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       if (TAKES_MORE_LIGHT_SAMPLES)
         connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
       else
-        wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
+        wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, 0u, shadow);
     }
     if (looks_for_sky) connect_to_sky(v, lobes, receiver, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
+    if (COVERS && wave.bounce == 0u && wants_ray && !is_in_scattering_medium(slot)) {
+      PathState ahead = path;
+      if (has(kFeatureVolume)) ahead.throughput *= medium_transmittance(current_body(slot), kFarAway);
+      note_sky_ahead(slot, environment_found(slot, ahead, next.direction, 0u, true, receiver));
+    }
     // A pane with a diffuse lobe receives light, too. But light straight ahead comes from the vertex before it, so that
     // vertex is stored again. (Training counts the pane's own shadow ray for that vertex: probabilities become less
     // suitable, never wrong.) Where no weight will be asked for, as behind the camera or a mirror, nothing was stored

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/bidirectional/photon_types.h"
+#include "kernels/film/cover_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -51,6 +52,8 @@ layout(set = 0, binding = 30, std430) buffer Weights { PathWeights weights[]; };
 layout(set = 0, binding = 31, std430) buffer LightVertices { LightVertex light_vertices[]; };
 layout(set = 0, binding = 32, std430) buffer Connections { Connection connections[]; };
 layout(set = 0, binding = 33, std430) buffer ConnectionQueues { ConnectionQueue connection_queues[]; };
+layout(set = 0, binding = 44, std430) buffer PathCovers { PathCover path_covers[]; };
+layout(set = 0, binding = 45, std430) buffer FilmCovers { FilmCover film_covers[]; };
 layout(set = 0, binding = 34, std430) buffer Splats { SplatPixel splats[]; };
 layout(set = 0, binding = 35, std140) uniform PhotonFrameBlock { PhotonFrame photon_frame; };
 layout(set = 0, binding = 36, std430) buffer Photons { Photon photons[]; };

@@ -197,6 +197,7 @@ void Bidirectional::change(const View& view, const RenderPlan& settings, Tempora
   for (const FilmBand& band : workspace_.film.bands()) {
     std::vector<Binding> bindings = workspace_.bindings(band);
     paths_.buffers.add_bindings(bindings);
+    paths_.add_cover_binding(bindings);
     buffers_.add_bindings(bindings);
     bindings.push_back({gpu::kBindSplats, BindingKind::storage, &band.splats});
     sets_.push_back(

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/error.h"
 #include "host/integrators/bidirectional/bidirectional.h"
 #include "host/integrators/path/light_histograms.h"
 #include "host/render/loop/render_result.h"
@@ -15,8 +16,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "lights",  "techniques",
-                                                       "lens",       "denoise", "light-groups"};
+constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "lights",       "techniques", "lens",
+                                                       "denoise",    "light-groups", "transparent"};
+constexpr std::array<std::string_view, 1> kAovs = {"environment"};
 constexpr std::array<std::string_view, 1> kNotByAuto = {"techniques"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
@@ -29,6 +31,12 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature feat
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
   kernels.start({&kBidirectionalProgram, kBidirectionalStages, config});
   kernels.start({&kPathProgram, kSharedPathStages, config});
+}
+
+// Its direct light comes by several techniques, of which not all know what nothing would block.
+void check(const RenderPlan& settings) {
+  if (settings.catches)
+    throw UsageError("--catcher", "is not known to --integrator bidirectional", "use --integrator path");
 }
 
 // Merging converges to the light of all paths, as its radius shrinks to nothing.
@@ -57,7 +65,7 @@ std::vector<OmittedStage> omitted(const RenderPlan& settings) {
 
 // Where nothing asks for what it leaves out. Without merging: what is taken without being asked for is not biased.
 std::vector<RenderPlan> candidates(const RenderPlan& settings, const PackedScene& scene) {
-  if (settings.adaptive == kAdaptiveOn || !settings.aovs.empty() || settings.moving ||
+  if (settings.adaptive == kAdaptiveOn || !settings.aovs.empty() || settings.catches || settings.moving ||
       settings.terminator != gpu::kTerminatorFacets || scene.features & kBidirectionalLacks)
     return {};
   RenderPlan unbiased = settings;
@@ -77,12 +85,14 @@ constinit const IntegratorKind kBidirectional = {
     .name = "bidirectional",
     .summary = "paths from the camera and from lights, joined in all ways; photons for caustics",
     .settings = kSettings,
+    .aovs = kAovs,
     .lacks_aovs = kLackedAovs,
     .nests_bodies = true,
     .splats = true,
     .light_training_bytes = kLightCellBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
+    .check = check,
     .unsupported_reason = [](const RenderPlan&,
                              const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
     .features = film_features,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/integrators/path/paths.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/pass_names.h"
 #include "host/render/settings/traversal.h"
@@ -13,7 +14,8 @@
 namespace wavepath {
 namespace {
 
-RenderPlan first_hit_settings(RenderPlan settings, RaysThrough through, HitData data) {
+RenderPlan first_hit_settings(const RenderPlan& asked, RaysThrough through, HitData data) {
+  RenderPlan settings = without_cover(asked);
   settings.integrator = find_integrator("path");
   settings.max_depth = 0; // a path ends at its first vertex, before it looks for lights
   settings.guide = false;

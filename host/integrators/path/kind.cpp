@@ -12,6 +12,7 @@
 #include "host/integrators/path/path_tracer.h"
 #include "host/integrators/path/sky_histograms.h"
 #include "host/render/render.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/light_groups.h"
 #include "host/render/settings/path_reuse.h"
@@ -19,9 +20,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 14> kSettings = {
-    "hemisphere", "direct", "lights",  "path sampling", "adaptive",    "guide",        "lens",
-    "denoise",    "pixel",  "shutter", "terminator",    "aov-through", "light-groups", "clamp"};
+constexpr std::array<std::string_view, 15> kSettings = {
+    "hemisphere", "direct", "lights",     "path sampling", "adaptive",     "guide", "lens",       "denoise",
+    "pixel",      "shutter", "terminator", "aov-through",   "light-groups", "clamp", "transparent"};
 // It tries guiding, replays no path, and compares integrators that find all light.
 constexpr std::array<std::string_view, 3> kNotByAuto = {"guide", "pixel", "clamp"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
@@ -34,7 +35,15 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
 }
 
 void check(const RenderPlan& settings) {
+  const bool compares = settings.catches || std::ranges::count(settings.aovs, "shadow") > 0;
+  if (compares && settings.direct != gpu::kDirectMis)
+    throw UsageError(settings.catches ? "--catcher" : "--aov shadow",
+                     "compares light with what would arrive if nothing blocked it, as --direct mis finds it",
+                     "leave out --direct");
   if (settings.reuse != kReuseOn) return;
+  if (has_cover(settings))
+    throw UsageError("--reuse", "shares light between pixels, but not what is transparent or in shadow",
+                     "leave it out, or --transparent, --catcher and --aov shadow,environment");
   if (settings.guide)
     throw UsageError("--reuse", "weighs paths by the BSDF's density, not by that of a guiding field",
                      "leave out --guide or --reuse");
@@ -46,7 +55,11 @@ void check(const RenderPlan& settings) {
 }
 
 std::vector<std::string> bias(const RenderPlan& settings, const RenderResult&) {
-  return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+  std::vector<std::string> sentences = {
+      fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+  if (settings.catches)
+    sentences.emplace_back("shadows on the catcher have one alpha for all colours, a ratio of two means (--catcher)");
+  return sentences;
 }
 
 std::vector<MemoryItem> memory_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
@@ -104,6 +117,7 @@ constinit const IntegratorKind kPath = {
     .name = "path",
     .summary = "path tracing",
     .settings = kSettings,
+    .aovs = kCoverAovs,
     .passes_panes = true,
     .nests_bodies = true,
     .sorts_hits = true,

@@ -6,8 +6,10 @@
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_histograms.h"
 #include "host/integrators/path/sky_histograms.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/light_groups.h"
+#include "kernels/film/cover_types.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -147,13 +149,14 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 }
 
 gpu::Feature film_features(const RenderPlan& settings) {
-  const gpu::Feature groups = records_groups(settings) ? gpu::kFeatureLightGroups : 0;
-  if (!records_aovs(settings)) return groups;
-  return groups | gpu::kFeatureAovs | (settings.aov_through ? gpu::kFeatureAovsThrough : 0);
+  gpu::Feature features = records_groups(settings) ? gpu::kFeatureLightGroups : 0;
+  if (has_cover(settings)) features |= gpu::kFeatureCover;
+  if (!records_aovs(settings)) return features;
+  return features | gpu::kFeatureAovs | (settings.aov_through ? gpu::kFeatureAovsThrough : 0);
 }
 
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t shadow_queues) {
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = features & gpu::kFeatureCover ? sizeof(gpu::PathCover) : 0;
   for (const BufferRule& rule : kRules) {
     const auto of = [&](std::uint64_t slots) {
       return rule.bytes(
@@ -185,11 +188,20 @@ bool Paths::change(const RenderPlan& settings, std::uint32_t stages, std::uint32
     options |= kCapacityForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options, sampling_.queues()});
+  const bool covers = (need_.config.features & gpu::kFeatureCover) != 0;
+  if (covers) moved |= reserve(workspace_.device, cover_, workspace_.slots * sizeof(gpu::PathCover));
+  moved |= covers != covers_;
+  covers_ = covers;
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);
+  add_cover_binding(own);
   sets_ = bind_bands(workspace_, own);
   return true;
+}
+
+void Paths::add_cover_binding(std::vector<Binding>& bindings) const {
+  if (covers_) bindings.push_back({gpu::kBindPathCover, BindingKind::storage, &cover_});
 }
 
 // Prepares the queues for the next stage of a bounce.

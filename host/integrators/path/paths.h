@@ -97,6 +97,8 @@ public:
                bool prepares_extend = false) const;
 
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
+  // Of transparency and shadow, which `buffers` lacks, where settings ask for them.
+  void add_cover_binding(std::vector<Binding>& bindings) const;
   BufferSet buffers;
 
 private:
@@ -108,6 +110,8 @@ private:
   KernelNeed need_;
   DirectSampling sampling_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
+  Buffer cover_;                                  // PathCover of each slot (kFeatureCover)
+  bool covers_ = false;                           // the sets bind it
 };
 
 // Kernels of `stages`; `escape` is included only where escaped rays are sorted.

@@ -120,11 +120,11 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 
 // The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
 // there are any, then FilmAovs of error probes, then FilmPixel of groups of lights and of their error probes, then
-// SplatPixel of groups. Probes
-// are stored where the probed pixels are; other pixels have zeros in these channels, which take next to no space in a
-// compressed file.
+// SplatPixel of groups, then FilmCover, and FilmCover of error probes. Probes are stored where the probed pixels are;
+// other pixels have zeros in these channels, which take next to no space in a compressed file.
 constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
-                      kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
+                      kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords,
+                      kCoverWords = sizeof(gpu::FilmCover) / 4;
 constexpr const char* kWithProbes = "whole"; // value of the attribute wavepath.nets
 constexpr const char* kQuads = "quads";      // of wavepath.shared: pixels that share samples
 
@@ -134,6 +134,8 @@ std::string probe_channel(std::size_t word) { return fmt::format("{}second.{:02}
 std::string group_channel(std::size_t word) { return fmt::format("{}group.{:03}", kFilmPrefix, word); }
 std::string group_probe_channel(std::size_t word) { return fmt::format("{}groupsecond.{:03}", kFilmPrefix, word); }
 std::string group_splat_channel(std::size_t word) { return fmt::format("{}groupsplat.{:03}", kFilmPrefix, word); }
+std::string cover_channel(std::size_t word) { return fmt::format("{}cover.{:02}", kFilmPrefix, word); }
+std::string probe_cover_channel(std::size_t word) { return fmt::format("{}second_cover.{:02}", kFilmPrefix, word); }
 std::vector<std::string> film_channels(const FilmShape& film) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kPixelWords + (film.aovs ? kAovWords : 0); ++i) names.push_back(film_channel(i));
@@ -145,6 +147,9 @@ std::vector<std::string> film_channels(const FilmShape& film) {
   }
   for (std::size_t i = 0; i < (film.splats ? film.groups * gpu::kSplatWords : 0); ++i)
     names.push_back(group_splat_channel(i));
+  for (std::size_t i = 0; i < (film.cover ? kCoverWords : 0); ++i) names.push_back(cover_channel(i));
+  for (std::size_t i = 0; i < (film.cover && film.has_probes ? kCoverWords : 0); ++i)
+    names.push_back(probe_cover_channel(i));
   return names;
 }
 
@@ -153,9 +158,11 @@ struct ProbeSums {
   explicit ProbeSums(const FilmShape& film)
       : pixels(film.has_probes ? film.pixels() : 0),
         groups(film.has_probes ? film.pixels() * film.groups : 0),
-        aovs(film.has_probes && film.aovs ? film.pixels() : 0) {}
+        aovs(film.has_probes && film.aovs ? film.pixels() : 0),
+        cover(film.has_probes && film.cover ? film.pixels() : 0) {}
   std::vector<gpu::FilmPixel> pixels, groups;
   std::vector<gpu::FilmAovs> aovs;
+  std::vector<gpu::FilmCover> cover;
 };
 
 // Calls body(entry of the film, pixel) for every error probe.
@@ -184,6 +191,10 @@ void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
   for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i) {
     insert(film_channel(kPixelWords + i), words_of(film.aovs) + i, kAovWords);
     if (film.has_probes) insert(probe_channel(i), words_of(probes.aovs) + i, kAovWords);
+  }
+  for (std::size_t i = 0; i < (film.cover.empty() ? 0 : kCoverWords); ++i) {
+    insert(cover_channel(i), words_of(film.cover) + i, kCoverWords);
+    if (film.has_probes) insert(probe_cover_channel(i), words_of(probes.cover) + i, kCoverWords);
   }
   for (std::size_t i = 0; i < (film.splats.empty() ? 0 : kSplatWords); ++i)
     insert(splat_channel(i), words_of(film.splats) + i, kSplatWords);
@@ -383,6 +394,7 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
       if (!probes.aovs.empty()) probes.aovs[pixel] = info.film->aovs[entry];
       const auto [there, in_film] = probe_groups(probes, const_cast<Film&>(*info.film), entry, pixel);
       std::ranges::copy(in_film, there.begin());
+      if (!probes.cover.empty()) probes.cover[pixel] = info.film->cover[entry];
     });
   const auto pixels_of = [&](const PicturePart& part) {
     Imf::FrameBuffer pixels;
@@ -525,11 +537,13 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   while (shape.groups < gpu::kMostLightGroups &&
          channels.findChannel(group_channel(shape.groups * kReplicateWords)) != nullptr)
     ++shape.groups;
+  shape.cover = channels.findChannel(cover_channel(0)) != nullptr;
   shape.has_probes = read_attribute(path, "wavepath.nets") == kWithProbes;
   shape.quads = read_attribute(path, "wavepath.shared") == kQuads;
   if (shape.has_probes) shape.seed = static_cast<std::uint32_t>(read_number(path, "wavepath.seed").value_or(0.0));
   const std::uint64_t spread = shape.has_probes ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) +
-                                                      shape.groups * sizeof(gpu::FilmPixel)
+                                                      shape.groups * sizeof(gpu::FilmPixel) +
+                                                      (shape.cover ? sizeof(gpu::FilmCover) : 0)
                                                 : 0;
   require_memory(path, "reading its sums", shape.bytes() + shape.pixels() * spread, "use a smaller picture");
   const auto film = std::make_shared<Film>(make_film(shape));
@@ -549,6 +563,7 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
     if (!probes.aovs.empty()) film->aovs[entry] = probes.aovs[pixel];
     const auto [there, in_film] = probe_groups(probes, *film, entry, pixel);
     std::ranges::copy(there, in_film.begin());
+    if (!probes.cover.empty()) film->cover[entry] = probes.cover[pixel];
   });
   count_light_paths(*film);
   return film;

@@ -14,19 +14,21 @@ constexpr std::string_view kViewLayer = "ViewLayer."; // as Blender names its fi
 constexpr const char* kSumsPart = "sums";
 
 // Blender's passes that hold the same as a layer of ours. A pass has channels of one letter.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kBlenderPasses = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kBlenderPasses = {
     {{"", "Combined"},
      {"albedo", "Denoising Albedo"},
      {"N", "Normal"},
      {"P", "Position"},
      {"emission", "Emit"},
+     {"environment", "Env"},
      {"uv", "UV"}}};
 // Channels that are a pass of their own.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kBlenderChannels = {
     {{"Z", "Depth.Z"}, {"samples", "Debug Sample Count.X"}, {"id.material", "IndexMA.X"}}};
 
 // Layers whose channels are colours.
-constexpr std::array<std::string_view, 6> kColourLayers = {"", "albedo", "direct", "indirect", "emission", "denoised"};
+constexpr std::array<std::string_view, 7> kColourLayers = {"",         "albedo",   "direct",     "indirect",
+                                                           "emission", "denoised", "environment"};
 
 bool is_rgba(std::string_view channel) {
   return channel.size() == 1 && std::string_view("RGBA").find(channel) != std::string_view::npos;

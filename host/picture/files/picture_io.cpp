@@ -60,24 +60,32 @@ void append(std::vector<Sample>& samples, float value) {
   samples.push_back(static_cast<Sample>(std::lround(static_cast<float>(std::numeric_limits<Sample>::max()) * value)));
 }
 
+// `keeps_alpha`: the format has a channel for it. Otherwise what is transparent is black.
 void write_display(const std::string& path, const Picture& picture, const WriteOptions& options, std::uint32_t bits,
-                   Encode encode) {
+                   bool keeps_alpha, Encode encode) {
   const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
   const std::array<const Channel*, 3> channels = shown_channels(picture);
-  DecodedImage image{.shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}};
+  const Channel* alpha = keeps_alpha ? alpha_of(picture) : nullptr;
+  const std::uint32_t samples = alpha ? 4 : 3;
+  DecodedImage image{.shape = {picture.width, picture.height, samples}, .bytes = {}, .words = {}};
   const std::size_t pixels = picture.channels[0].values.size();
   if (bits == 16)
-    image.words.reserve(3 * pixels);
+    image.words.reserve(samples * pixels);
   else
-    image.bytes.reserve(3 * pixels);
+    image.bytes.reserve(samples * pixels);
+  const auto put = [&](float value) {
+    if (bits == 16)
+      append(image.words, value);
+    else
+      append(image.bytes, value);
+  };
   for (std::size_t i = 0; i < pixels; ++i) {
-    const glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
+    glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
+    const float opaque = alpha ? std::clamp(alpha->values[i], 0.0f, 1.0f) : 1.0f;
+    if (alpha) radiance = opaque > 0.0f ? radiance / opaque : glm::vec3(0.0f); // alpha is not multiplied in there
     const glm::vec3 shown = tonemap(options.tonemap, scale * radiance);
-    for (int c = 0; c < 3; ++c)
-      if (bits == 16)
-        append(image.words, to_srgb(shown[c]));
-      else
-        append(image.bytes, to_srgb(shown[c]));
+    for (int c = 0; c < 3; ++c) put(to_srgb(shown[c]));
+    if (alpha) put(opaque);
   }
   write_encoded(path, [&] { return encode(image); });
 }
@@ -91,9 +99,9 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
   if (*format == PictureFormat::exr) return write_exr(path, picture, info, options);
   if (*format == PictureFormat::hdr) return write_hdr(path, picture);
   if (*format == PictureFormat::png)
-    write_display(path, picture, options, options.bits, encode_png);
+    write_display(path, picture, options, options.bits, true, encode_png);
   else
-    write_display(path, picture, options, 8, encode_jpeg);
+    write_display(path, picture, options, 8, false, encode_jpeg);
   return 0;
 }
 
@@ -130,6 +138,12 @@ std::array<const Channel*, 3> shown_channels(const Picture& picture) {
     channels[c] = filtered ? filtered : &picture.channels[c];
   }
   return channels;
+}
+
+const Channel* alpha_of(const Picture& picture) {
+  const Channel* alpha = find_channel(picture, "A");
+  const bool opaque = !alpha || std::ranges::all_of(alpha->values, [](float a) { return a >= 1.0f; });
+  return opaque ? nullptr : alpha;
 }
 
 Picture shown_picture(const Picture& picture) {

@@ -19,6 +19,8 @@ inline constexpr const char* kShownPrefix = "denoised.";
 
 // The channels that a file of three channels gets: the filtered picture if there is one, else R G B.
 std::array<const Channel*, 3> shown_channels(const Picture& picture);
+// The channel A; null where all is opaque.
+const Channel* alpha_of(const Picture& picture);
 // A picture whose R G B are shown_channels().
 Picture shown_picture(const Picture& picture);
 

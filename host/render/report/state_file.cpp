@@ -1,5 +1,5 @@
-// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, its splats, its
-// groups of lights, and the hash of all before it. Numbers are as the machine has them (little-endian on everything
+// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, splats, groups of
+// lights and cover, and the hash of all before it. Numbers are as the machine has them (little-endian on everything
 // that Vulkan drivers exist for).
 #include "host/render/report/state_file.h"
 
@@ -102,7 +102,8 @@ Json describe(const std::string& identity, const std::string& device, const std:
           {"whole_nets", state.film.has_probes},
           {"seed", state.film.seed},
           {"quads", state.film.quads},
-          {"groups", state.film.group_count}};
+          {"groups", state.film.group_count},
+          {"cover", !state.film.cover.empty()}};
 }
 
 RenderState state_from(const Json& json) {
@@ -170,6 +171,7 @@ void write_state(const std::string& path, const std::string& identity, const std
   write(state.film.splats.data(), byte_count(state.film.splats));
   write(state.film.groups.data(), byte_count(state.film.groups));
   write(state.film.group_splats.data(), byte_count(state.film.group_splats));
+  write(state.film.cover.data(), byte_count(state.film.cover));
   const std::uint64_t sum = checksum.value();
   file.write(&sum, sizeof(sum));
   file.commit();
@@ -189,9 +191,9 @@ StateRecord read_state(const std::string& path) try {
   const Json json = Json::parse(document);
   StateRecord record{json.at("identity"), json.at("device"), json.at("plan"), state_from(json)};
 
-  const FilmShape shape{json.at("size").at(0),      json.at("size").at(1),   json.at("aovs"),
-                        json.at("splats"),          json.at("whole_nets"),   json.at("seed"),
-                        json.value("quads", false), json.value("groups", 0u)};
+  const FilmShape shape{json.at("size").at(0),      json.at("size").at(1),    json.at("aovs"),
+                        json.at("splats"),          json.at("whole_nets"),    json.at("seed"),
+                        json.value("quads", false), json.value("groups", 0u), json.value("cover", false)};
   if (reader.left() != shape.bytes() + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   Film& film = record.state.film;
   film = make_film(shape);
@@ -200,6 +202,7 @@ StateRecord read_state(const std::string& path) try {
   reader.read(film.splats.data(), byte_count(film.splats));
   reader.read(film.groups.data(), byte_count(film.groups));
   reader.read(film.group_splats.data(), byte_count(film.group_splats));
+  reader.read(film.cover.data(), byte_count(film.cover));
   count_light_paths(film);
   const std::uint64_t computed = reader.checksum();
   std::uint64_t recorded = 0;

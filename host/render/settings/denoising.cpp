@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/render/settings/cover.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/pass_names.h"
 
@@ -12,7 +13,8 @@ bool denoises_film(const RenderPlan& settings) {
 }
 
 bool records_aovs(const RenderPlan& settings) {
-  return !std::ranges::all_of(settings.aovs, is_pass) || denoises_film(settings);
+  const auto needs_none = [](std::string_view aov) { return is_pass(aov) || is_cover(aov); };
+  return !std::ranges::all_of(settings.aovs, needs_none) || denoises_film(settings);
 }
 
 } // namespace wavepath

@@ -1,5 +1,6 @@
 #include "host/render/settings/path_reuse.h"
 
+#include "host/render/settings/cover.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_groups.h"
 
@@ -7,7 +8,7 @@ namespace wavepath {
 
 bool may_reuse_paths(const RenderPlan& settings) {
   return supports(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
-         settings.hemisphere == gpu::kHemisphereCosine && !records_groups(settings);
+         settings.hemisphere == gpu::kHemisphereCosine && !records_groups(settings) && !has_cover(settings);
 }
 
 bool reuses_paths(const RenderPlan& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }

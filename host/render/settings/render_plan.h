@@ -56,6 +56,7 @@ struct RenderPlan : RenderSettings {
   KernelCapacity kernels;
   bool looks_for_noise = false;         // `adaptive` is `auto`: a pilot measures noise when the render begins
   bool moving = false;                  // the scene was loaded with motion, which kernels must support
+  bool catches = false;                 // the scene has a shadow catcher (--catcher)
   bool antialias_over_time = false;     // blends each picture with earlier ones, for a moving camera; biased
   std::uint32_t probes_from = 1u << 15; // least number of pixels for error probes (probing.h)
   // Scale of the four pixels of a quad, below 1 in pilots that show few quads of a larger picture (path_reuse.h).

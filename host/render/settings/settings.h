@@ -138,6 +138,7 @@ struct RenderSettings {
   std::vector<std::string> aovs;         // values of --aov
   bool aov_through = false;              // albedo and normal are those of what mirrors and smooth glass show
   std::vector<std::string> light_groups; // names of --light-groups, or `each`; empty = none
+  bool transparent = false;              // alpha tells where rays leave the scene
 };
 
 } // namespace wavepath

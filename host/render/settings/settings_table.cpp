@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/direct_sampling.h"
 #include "host/render/settings/mips.h"
@@ -218,7 +219,20 @@ std::vector<Setting> picture_rows() {
        .group = SettingGroup::picture,
        .decides = Decides::channels,
        .offered = kByRenderAndView,
-       .identity = [](const S& s) { return std::string(records_aovs(s) ? "yes" : "no"); }},
+       .identity =
+           [](const S& s) {
+             return std::string(records_aovs(s) ? "yes" : "no") +
+                    (std::ranges::any_of(s.aovs, is_cover) ? ", cover" : "");
+           }},
+      {.name = "transparent",
+       .value = SwitchValue{&S::transparent},
+       .meaning = "the background is transparent: alpha tells how much of it is seen, past objects and through smooth "
+                  "glass, and colour has no light that comes straight from it. EXR: premultiplied. PNG: straight",
+       .group = SettingGroup::picture,
+       .advanced = true,
+       .supported_by = SupportedBy::listed_else_refused,
+       .offered = kByRenderAndView,
+       .label = "transparent"},
       {.name = "aov-through",
        .value = SwitchValue{&S::aov_through},
        .meaning =

@@ -22,6 +22,7 @@ std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
 }
 std::uint64_t aov_bytes(const FilmBand& band) { return band.entries() * sizeof(gpu::FilmAovs); }
 // Of the picture, and behind them of its groups of lights.
+std::uint64_t cover_bytes(const FilmBand& band) { return band.entries() * sizeof(gpu::FilmCover); }
 std::uint64_t splat_bytes(const FilmBand& band) {
   return std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::SplatPixel);
 }
@@ -109,7 +110,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_entries =
       range / std::max<std::uint64_t>({replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs),
-                                       shape.groups * sizeof(gpu::FilmPixel),
+                                       shape.groups * sizeof(gpu::FilmPixel), shape.cover ? sizeof(gpu::FilmCover) : 0,
                                        shape.splats ? (gpu::kReplicates + shape.groups) * sizeof(gpu::SplatPixel) : 0});
   std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_entries;
@@ -134,6 +135,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
     moved |= reserve(*device_, band.aovs, shape.aovs || capacity_for_aovs ? aov_bytes(band) : 0);
     moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band, shape) : 0);
     if (shape.groups > 0) moved |= reserve(*device_, band.groups, group_bytes(band, shape));
+    moved |= reserve(*device_, band.cover, shape.cover ? cover_bytes(band) : 0);
   }
   return moved;
 }
@@ -144,6 +146,7 @@ void FilmTarget::clear() {
     if (band.aovs.bytes()) band.aovs.fill_zero(aov_bytes(band));
     if (shape_.splats) band.splats.fill_zero(splat_bytes(band, shape_));
     if (shape_.groups > 0) band.groups.fill_zero(group_bytes(band, shape_));
+    if (shape_.cover) band.cover.fill_zero(cover_bytes(band));
   }
 }
 
@@ -156,6 +159,7 @@ Film FilmTarget::download() const {
     if (shape_.groups > 0) read_rows(band, band.groups, shape_.groups, film, film.groups);
     if (!film.group_splats.empty())
       read_rows(band, band.splats, shape_.groups, film, film.group_splats, splat_bytes(band));
+    if (shape_.cover) read_rows(band, band.cover, 1, film, film.cover);
   }
   count_light_paths(film);
   return film;
@@ -177,13 +181,14 @@ void FilmTarget::upload(const Film& film) {
     if (shape_.groups > 0) write_rows(band, band.groups, shape_.groups, film, film.groups);
     if (!film.group_splats.empty())
       write_rows(band, band.splats, shape_.groups, film, film.group_splats, splat_bytes(band));
+    if (!film.cover.empty()) write_rows(band, band.cover, 1, film, film.cover);
   }
 }
 
 std::uint64_t FilmTarget::bytes() const {
   std::uint64_t sum = 0;
   for (const FilmBand& band : bands_)
-    sum += band.film.bytes() + band.aovs.bytes() + band.splats.bytes() + band.groups.bytes();
+    sum += band.film.bytes() + band.aovs.bytes() + band.splats.bytes() + band.groups.bytes() + band.cover.bytes();
   return sum;
 }
 
@@ -204,6 +209,7 @@ void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
     if (shape_.aovs) make(band.aovs, aov_bytes(band));
     if (shape_.splats) make(band.splats, splat_bytes(band, shape_));
     if (shape_.groups > 0) make(band.groups, group_bytes(band, shape_));
+    if (shape_.cover) make(band.cover, cover_bytes(band));
   }
 }
 
@@ -218,6 +224,7 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
     if (shape_.aovs) copy(band.aovs, bands_[i].aovs, aov_bytes(band));
     if (shape_.splats) copy(band.splats, bands_[i].splats, splat_bytes(band, shape_));
     if (shape_.groups > 0) copy(band.groups, bands_[i].groups, group_bytes(band, shape_));
+    if (shape_.cover) copy(band.cover, bands_[i].cover, cover_bytes(band));
   }
 }
 
@@ -237,6 +244,7 @@ Film FilmSnapshot::read() const {
     if (shape_.splats) read(band.splats, gpu::kReplicates, film.splats);
     if (shape_.groups > 0) read(band.groups, shape_.groups, film.groups);
     if (!film.group_splats.empty()) read(band.splats, shape_.groups, film.group_splats, splat_bytes(band));
+    if (shape_.cover) read(band.cover, 1, film.cover);
   }
   count_light_paths(film);
   return film;

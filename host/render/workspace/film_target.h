@@ -16,7 +16,7 @@ struct FilmBand {
   std::uint32_t first_probe = 0, probe_count = 0; // range of blocks whose probes it has
   std::uint32_t picture_pixels = 0;               // pixels of all bands, which is the entry of the first probe
   // May be larger than needed. Behind the splats of the picture are those of its groups of lights.
-  Buffer film, aovs, splats, groups;
+  Buffer film, aovs, splats, groups, cover;
 
   std::uint32_t entries() const { return pixel_count + probe_count; }
   // Offset within the band of the sums of an entry.

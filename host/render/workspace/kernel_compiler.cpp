@@ -31,7 +31,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel |
-                   gpu::kFeatureSoftLamps | gpu::kFeatureLightGroups));
+                   gpu::kFeatureSoftLamps | gpu::kFeatureLightGroups | gpu::kFeatureCover));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -55,7 +55,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
       has_error_probes(settings) || settings.kernels.has_probes ? gpu::kProbingOn : gpu::kProbingOff;
   const std::uint32_t motion = settings.moving && supports(*settings.integrator, "shutter") ? 1u : 0u;
   // A path that leaves the scene sees the environment, and ends a record on which guiding trains.
-  const bool escapes = settings.guide || features & (gpu::kFeatureEnvironment | gpu::kFeatureSoftLamps);
+  const bool escapes =
+      settings.guide || features & (gpu::kFeatureEnvironment | gpu::kFeatureSoftLamps | gpu::kFeatureCover);
   const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
                              : escapes                        ? gpu::kSortEscapes
                                                               : gpu::kSortHits;

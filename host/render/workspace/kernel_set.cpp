@@ -12,6 +12,7 @@
 #include "host/render/workspace/device_scene.h"
 #include "host/render/workspace/group_buffers.h"
 #include "kernels/base/frame_types.h"
+#include "kernels/film/cover_types.h"
 
 namespace wavepath {
 namespace {
@@ -42,7 +43,8 @@ bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
 
 // Bindings are what a set of other kernels cannot do with more or fewer of.
 bool KernelNeed::covers(const KernelNeed& need) const {
-  if ((config.features ^ need.config.features) & (gpu::kFeatureSampledTextures | gpu::kFeatureLightGroups))
+  if ((config.features ^ need.config.features) &
+      (gpu::kFeatureSampledTextures | gpu::kFeatureLightGroups | gpu::kFeatureCover))
     return false;
   // Nor are stages mixed, of which some keep samplers and some look for them.
   if ((config.features ^ need.config.features) & gpu::kFeatureAdaptive) return false;
@@ -101,6 +103,9 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kernels_(need.program->stages.size()) {
   const Clock::time_point start = Clock::now();
   std::vector<Binding> slots = need.program->layout();
+  if (config().features & gpu::kFeatureCover)
+    slots.insert(slots.end(), {{gpu::kBindFilmCover, BindingKind::storage, nullptr},
+                               {gpu::kBindPathCover, BindingKind::storage, nullptr}});
   constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
   if (config().features & gpu::kFeatureLightGroups)
     for (const Binding& binding : group_layout()) slots.push_back(binding);

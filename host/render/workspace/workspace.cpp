@@ -6,6 +6,7 @@
 
 #include "host/base/clock.h"
 #include "host/render/settings/adaptivity.h"
+#include "host/render/settings/cover.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_groups.h"
@@ -21,6 +22,7 @@
 #include "kernels/base/features.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/base/tile_order.h"
+#include "kernels/film/cover_types.h"
 
 namespace wavepath {
 namespace {
@@ -70,6 +72,11 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPl
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
   frame.end_normals = scene.end_normals;
+  frame.cover = cover_bits(settings);
+  if (settings.catches) {
+    frame.first_catcher = scene.first_catcher;
+    frame.end_catcher = scene.end_catcher;
+  }
   if (settings.lens.aperture > 0.0) {
     const bool passes_backs = settings.cull != gpu::kCullNone;
     frame.lens_radius = static_cast<float>(0.5 * settings.lens.aperture);
@@ -95,7 +102,8 @@ FilmShape film_shape(const RenderPlan& settings) {
           .has_probes = has_error_probes(settings),
           .seed = settings.seed,
           .quads = reuses_paths(settings),
-          .groups = records_groups(settings) ? static_cast<std::uint32_t>(settings.group_names.size()) : 0};
+          .groups = records_groups(settings) ? static_cast<std::uint32_t>(settings.group_names.size()) : 0,
+          .cover = has_cover(settings)};
 }
 
 Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
@@ -168,6 +176,7 @@ std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
   add_bindings(band, bindings);
   if (film.shape().groups > 0)
     for (const Binding& binding : group_bindings(groups_, band.groups)) bindings.push_back(binding);
+  if (film.shape().cover) bindings.push_back({gpu::kBindFilmCover, BindingKind::storage, &band.cover});
   return bindings;
 }
 

@@ -237,6 +237,16 @@ void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
         exact.unplaced);
 }
 
+// The materials of the shadow catcher, which stand together as in the scene.
+void place_catcher(const Scene& scene, const std::vector<std::uint32_t>& material_index, PackedScene& packed) {
+  packed.first_catcher = packed.end_catcher = 0;
+  for (std::uint32_t m = scene.first_catcher; m < scene.end_catcher; ++m) {
+    if (material_index[m] == kNoIndex) continue;
+    if (packed.end_catcher == 0) packed.first_catcher = material_index[m];
+    packed.end_catcher = material_index[m] + 1;
+  }
+}
+
 void pack_surfaces(Scene& scene, const std::vector<std::uint32_t>& material_index, MaterialTable& materials,
                    PackedScene& packed) {
   packed.materials = std::move(materials.materials);
@@ -312,6 +322,7 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
     before.environment = pack_environment(scene.environment, packing.direct, packed);
   }
 
+  place_catcher(scene, layout.material_index, packed);
   const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
   before.kept.geometry = before.kept.surfaces && has_same_geometry(scene, layout, device_from_world, packed);
   if (before.kept.geometry)

@@ -84,7 +84,8 @@ struct PackedScene {
   // By material, and the albedo tables that they refer to; empty where no lobe (kLobe bits) is in use.
   std::vector<gpu::MaterialLayers> layers;
   std::vector<glm::vec4> albedo_tables;
-  std::vector<std::string> material_names; // for messages
+  std::vector<std::string> material_names;          // for messages
+  std::uint32_t first_catcher = 0, end_catcher = 0; // materials of the shadow catcher: first <= m < end
   // Which node of the file shows what, for node_of(): of meshes that are shown once by triangle, of the others by
   // gpu::Instance::id. kNoIndex: no node does.
   std::vector<NodeRun> node_runs;
