@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Cameras, CameraModel, testing::ValuesIn(kCases), [](con
 std::vector<Seen> ask_device(Device& device, const ViewRequest& request, const View& view, std::uint32_t filter,
                              std::uint32_t side) {
   gpu::Frame frame{};
-  frame.width = kWidth, frame.height = kHeight;
+  frame.width = frame.film_width = kWidth, frame.height = frame.film_height = kHeight;
   set_camera(view, glm::dvec3(0.0), frame);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);

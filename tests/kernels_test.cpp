@@ -120,8 +120,8 @@ gpu::Frame frame_of(const PackedScene& packed, std::uint32_t width = 64, std::ui
   frame.scene_lobes = static_cast<std::uint32_t>(packed.features >> 32);
   frame.first_layers = static_cast<std::uint32_t>(packed.materials.size() * gpu::kMaterialTexels);
   frame.slot_count = kSlots;
-  frame.width = width;
-  frame.height = height;
+  frame.width = frame.film_width = width;
+  frame.height = frame.film_height = height;
   frame.sample_total = 16;
   frame.camera_forward = {0, 0, -1};
   frame.camera_right = {2, 0, 0};

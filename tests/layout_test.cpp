@@ -190,7 +190,11 @@ TEST(Layout, Frame) {
            AT(Frame, cover),
            AT(Frame, first_catcher),
            AT(Frame, end_catcher),
-           AT(Frame, pad_cover)});
+           AT(Frame, film_left),
+           AT(Frame, film_top),
+           AT(Frame, film_width),
+           AT(Frame, film_height),
+           AT(Frame, pad_film)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_entries)});

@@ -31,19 +31,20 @@ namespace {
 // Every member of RenderSettings as text. A member that is added or removed does not compile here: list it below as
 // well, and in a row of the table.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
-  const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, traversal, textures, terminator, lens, first_hit,
-               shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows,
-               shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
-               shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
-               shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
-               techniques, cutoff, denoise, mips, lights, light_samples, sky_samples, reuse, adaptive, clamp, guide,
-               specialize, aovs, aov_through, light_groups, transparent] = settings;
+  const auto& [integrator, width, height, crop, first_sample, last_sample, sample_total, time_limit, target_error,
+               max_depth, sampler, hemisphere, direct, filter, seed, cull, traversal, textures, terminator, lens,
+               first_hit, shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient,
+               shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
+               shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
+               interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
+               transparency_samples, branching, techniques, cutoff, denoise, mips, lights, light_samples, sky_samples,
+               reuse, adaptive, clamp, guide, specialize, aovs, aov_through, light_groups, transparent] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
       {"width", text(width)},
       {"height", text(height)},
+      {"crop", crop ? fmt::format("{},{},{},{}", crop->left, crop->top, crop->width, crop->height) : "none"},
       {"first_sample", text(first_sample)},
       {"last_sample", text(last_sample)},
       {"sample_total", text(sample_total)},
@@ -131,6 +132,7 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
     return whole->highest < 128 ? differing({"3", "5"}) : differing({"128", "129"});
   if (std::holds_alternative<RadianceValue>(row.value)) return differing({"0.1,0.2,0.3", "1,2,3"});
   if (row.name == "size") return differing({"33x17", "640x480"});
+  if (row.name == "crop") return differing({"1,2,30,40", "5,6,7,8"});
   if (row.name == "samples") return differing({"3:5", "4:6"});
   if (row.name == "aov") return differing({"albedo,depth", "normal"});
   if (row.name == "light-groups") return differing({"each", "Key,Fill"});
@@ -227,7 +229,8 @@ TEST(Settings, WhatDecidesThePictureIsInTheIdentity) {
     const RenderSettings before = base_for(row), after = changed(row, before);
     EXPECT_EQ(row.decides == Decides::nothing, kDecideNothing.contains(row.name)) << row.name;
     EXPECT_EQ(row.decides == Decides::channels, row.name == "aov") << row.name;
-    if (row.decides == Decides::nothing || row.name == "samples") // parts of one render share an identity
+    if (row.decides == Decides::nothing || row.name == "samples" ||
+        row.name == "crop") // parts of one render share an identity
       EXPECT_EQ(identity(before), identity(after)) << row.name;
     else
       EXPECT_NE(identity(before), identity(after)) << row.name;

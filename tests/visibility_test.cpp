@@ -60,8 +60,8 @@ struct Shot {
 gpu::Frame frame_of(const PackedScene& packed, const View& view, const FrameSettings& settings) {
   gpu::Frame frame{};
   set_camera(view, packed.origin, frame);
-  frame.width = settings.width;
-  frame.height = settings.height;
+  frame.width = frame.film_width = settings.width;
+  frame.height = frame.film_height = settings.height;
   frame.seed = settings.seed;
   frame.root = packed.root;
   frame.root_is_top = packed.root_is_top ? 1u : 0u;

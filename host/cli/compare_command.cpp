@@ -16,6 +16,7 @@
 #include "host/picture/error_map.h"
 #include "host/picture/files/picture_io.h"
 #include "host/picture/metrics/metrics.h"
+#include "host/picture/place.h"
 #include "host/render/report/stats.h"
 
 namespace wavepath {
@@ -80,7 +81,9 @@ int run_compare(const CompareCommandRequest& request) {
     refuse_overwriting({&request.map, 1}, inputs);
     require_writable(request.map);
   }
-  const Picture image = read_picture(request.image), reference = read_picture(request.reference);
+  const Picture image = read_picture(request.image);
+  Picture reference = read_picture(request.reference);
+  if (std::optional<Picture> part = cut_to(reference, image)) reference = *std::move(part);
   if (!request.map.empty()) require_format(request.map, image.width, image.height);
   const bool display = image.display && reference.display;
   const PictureMetrics metrics = compare_pictures(image, reference, display ? 1.0 : 0.0);

@@ -1,4 +1,5 @@
-// wavepath merge: joins renders of disjoint sample ranges into the picture that one render of all of them gives.
+// wavepath merge: joins renders of disjoint sample ranges, or of parts of a picture (--crop), into the picture that one
+// render of all of them gives.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -7,6 +8,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/memory.h"
 #include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/cli/commands.h"
@@ -18,6 +20,7 @@
 #include "host/film/group_layers.h"
 #include "host/passes/passes.h"
 #include "host/picture/files/picture_io.h"
+#include "host/picture/place.h"
 #include "host/render/denoised.h"
 #include "host/render/settings/identity.h"
 
@@ -123,19 +126,40 @@ void check_outputs(const MergeCommandRequest& request) {
   for (const std::string& path : pictures) require_writable(path);
 }
 
-// Of all parts, which must have the given identity and no sample in common.
-std::vector<Range> check_parts(const std::vector<std::string>& parts, const std::string& identity) {
+// Parts of the same pixels (--crop), whose samples are joined.
+struct Region {
+  PartWindow window;
+  std::vector<std::string> parts;
   std::vector<Range> ranges;
+  std::shared_ptr<Film> film;
+};
+
+// Of all parts, which must have the given identity; those of a region have no sample in common.
+std::vector<Region> read_regions(const std::vector<std::string>& parts, const std::string& identity) {
+  std::vector<Region> regions;
   for (const std::string& path : parts) {
     if (const auto difference = first_difference(read_identity(path), identity))
       throw Error(path, fmt::format("does not belong to {}: {}", parts.front(), *difference), "render all parts alike");
-    for (const Range& range : read_ranges(path)) ranges.push_back(range);
+    const std::optional<PartWindow> window = read_window(path);
+    if (!window) throw Error(path, "has a data window that no render has", "render it again");
+    auto region = std::ranges::find(regions, *window, &Region::window);
+    if (region == regions.end()) region = regions.insert(regions.end(), Region{*window, {}, {}, nullptr});
+    region->parts.push_back(path);
+    for (const Range& range : read_ranges(path)) region->ranges.push_back(range);
   }
-  refuse_overlaps(ranges);
-  return ranges;
+  for (Region& region : regions) {
+    refuse_overlaps(region.ranges);
+    const Region& first = regions.front();
+    if (join_ranges(region.ranges) != join_ranges(first.ranges))
+      throw Error(region.parts.front(),
+                  fmt::format("and others of its pixels hold samples {}, {} has {}", join_ranges(region.ranges),
+                              first.parts.front(), join_ranges(first.ranges)),
+                  "give all pixels the same samples");
+  }
+  return regions;
 }
 
-// The sums of all parts. Sets the origin, seconds and device of `info`.
+// The sums of the parts of a region. Sets origin and device of `info`, and adds seconds.
 std::shared_ptr<Film> join_films(const std::vector<std::string>& parts, PictureInfo& info, Warnings& warnings) {
   std::shared_ptr<Film> film;
   for (const std::string& path : parts) {
@@ -147,17 +171,63 @@ std::shared_ptr<Film> join_films(const std::vector<std::string>& parts, PictureI
     if (film)
       join(*film, *part);
     else
-      film = std::make_shared<Film>(*part), info.origin = origin;
+      film = std::make_shared<Film>(*part);
+    const std::string device = read_attribute(path, "wavepath.device");
+    if (info.device.empty()) info.origin = origin, info.device = device;
     if (origin != info.origin)
       throw Error(path, fmt::format("has another origin than {}", parts.front()), "render all parts alike");
     info.seconds += read_number(path, "wavepath.seconds").value_or(0.0);
-    const std::string device = read_attribute(path, "wavepath.device");
-    if (info.device.empty()) info.device = device;
     if (info.device != device)
       warnings.add(fmt::format(
           "{}: rendered on {}, others on {}; the result is as good, but not bit by bit what one device gives", path,
           device, info.device));
   }
+  return film;
+}
+
+// The smallest rectangle that holds all regions.
+gpu::FilmArea area_around(const std::vector<Region>& regions) {
+  gpu::FilmArea all = regions.front().film->shape().area();
+  for (const Region& region : regions) {
+    const gpu::FilmArea area = region.film->shape().area();
+    const std::uint32_t right = std::max(all.left + all.width, area.left + area.width),
+                        bottom = std::max(all.top + all.height, area.top + area.height);
+    all.left = std::min(all.left, area.left), all.top = std::min(all.top, area.top);
+    all.width = right - all.left, all.height = bottom - all.top;
+  }
+  return all;
+}
+
+// The film of all regions, which must fill a rectangle.
+std::shared_ptr<Film> join_regions(const std::vector<Region>& regions) {
+  if (regions.size() == 1) return regions.front().film;
+  const gpu::FilmArea all = area_around(regions);
+  FilmShape shape = regions.front().film->shape();
+  const auto kind = [](FilmShape of) {
+    of.width = of.height = 0, of.place = {};
+    return of;
+  };
+  const FilmShape common = kind(shape);
+  shape.width = all.width, shape.height = all.height;
+  const bool is_whole = all.width == all.whole_width && all.height == all.whole_height;
+  shape.place = is_whole ? PicturePlace{} : PicturePlace{all.left, all.top, all.whole_width, all.whole_height};
+  require_memory("merge", "joining parts", shape.bytes(), "merge fewer parts");
+  const auto film = std::make_shared<Film>(make_film(shape));
+  std::vector<bool> known(shape.pixels());
+  for (const Region& region : regions) {
+    const std::string& path = region.parts.front();
+    if (kind(region.film->shape()) != common)
+      throw Error(path, fmt::format("holds sums of another kind than {}", regions.front().parts.front()),
+                  "render all parts alike");
+    if (!paste(*film, *region.film, known))
+      throw Error(path, "has other values than another part where they overlap", "render both on one device");
+  }
+  const auto gap = std::ranges::find(known, false) - known.begin();
+  if (gap < static_cast<std::ptrdiff_t>(known.size()))
+    throw Error("merge",
+                fmt::format("the parts do not fill a rectangle: pixel {},{} is in none", gap % all.width + all.left,
+                            gap / all.width + all.top),
+                "add the part that holds it");
   return film;
 }
 
@@ -177,20 +247,24 @@ void read_common(const std::string& part, PictureInfo& info) {
 }
 
 // Passes of the parts; all have those of the first, or the picture lacks them.
-void add_passes_of(const std::vector<std::string>& parts, const Picture& first, Picture& picture) {
+void add_passes_of(const std::vector<Region>& regions, const Picture& first, Picture& picture) {
   if (!has_passes(first)) return;
-  std::vector<Picture> pictures{first};
-  std::vector<std::uint32_t> samples;
-  for (std::size_t i = 1; i < parts.size(); ++i) pictures.push_back(read_picture(parts[i]));
-  for (const std::string& part : parts) {
-    std::uint32_t count = 0;
-    for (const Range& range : read_ranges(part)) count += range.end - range.first;
-    samples.push_back(count);
+  for (const Region& region : regions) {
+    std::vector<Picture> pictures;
+    std::vector<std::uint32_t> samples;
+    for (const std::string& part : region.parts) {
+      pictures.push_back(read_picture(part));
+      samples.push_back(0);
+      for (const Range& range : read_ranges(part)) samples.back() += range.end - range.first;
+    }
+    Picture passes{region.window.width, region.window.height, {}};
+    passes.place = region.window.place;
+    join_passes(passes, pictures, samples);
+    paste(passes, picture);
   }
-  join_passes(picture, pictures, samples);
+  const std::string& part = regions.front().parts.front();
   for (const std::string& name : pass_texts())
-    if (const std::string text = read_attribute(parts.front(), name); !text.empty())
-      picture.texts.emplace_back(name, text);
+    if (const std::string text = read_attribute(part, name); !text.empty()) picture.texts.emplace_back(name, text);
 }
 
 void print_merged(const MergeCommandRequest& request, const Picture& picture, const PictureInfo& info,
@@ -208,16 +282,18 @@ int run_merge(MergeCommandRequest& request) {
   const std::string& first = request.parts.front();
   PictureInfo info;
   info.identity = read_identity(first);
-  const std::vector<Range> ranges = check_parts(request.parts, info.identity);
+  std::vector<Region> regions = read_regions(request.parts, info.identity);
+  const std::vector<Range> ranges = regions.front().ranges;
 
   Warnings warnings;
-  const std::shared_ptr<Film> film = join_films(request.parts, info, warnings);
+  for (Region& region : regions) region.film = join_films(region.parts, info, warnings);
+  const std::shared_ptr<Film> film = join_regions(regions);
   for (const std::string& path : request.output.pictures) require_format(path, film->width, film->height);
   const Picture part = read_picture(first);
   Picture picture = develop(*film, aovs_of(part), info.origin, group_names_of(read_attribute(first, kGroupsText)));
   if (find_channel(part, std::string(kShownPrefix) + "R") && !film->aovs.empty())
     add_denoised(picture, *film, kDenoiseOn); // filtered pictures do not add up: the sums are filtered anew
-  add_passes_of(request.parts, part, picture);
+  add_passes_of(regions, part, picture);
   const ErrorEstimate error = estimate_error(*film);
   for (const Range& range : ranges) info.spp += range.end - range.first;
   if (has_estimate(info.spp, error)) info.error = error.relative_rms;
@@ -238,7 +314,8 @@ int run_merge(MergeCommandRequest& request) {
 Command add_merge(CLI::App& app) {
   CLI::App* command =
       add_command(app, "merge", "join the parts of a split render into one picture",
-                  "Make the parts with 'wavepath render --samples A:B', each with the --spp of the whole. Parts of one "
+                  "Make the parts with 'wavepath render --samples A:B', each with the --spp of the whole, or with "
+                  "'--crop X,Y,W,H --mergeable'. Parts of one "
                   "device join to the bits of one render with --mergeable, in any order. AOVs of first hits (albedo, "
                   "normal, depth, position, emission, direct) join to within rounding.");
   const auto request = std::make_shared<MergeCommandRequest>();

@@ -12,6 +12,7 @@
 #include "host/cli/resolve.h"
 #include "host/cli/resume.h"
 #include "host/codecs/picture_module.h"
+#include "host/picture/place.h"
 #include "host/render/report/plan_file.h"
 #include "host/render/settings/settings_table.h"
 
@@ -56,7 +57,14 @@ std::optional<Picture> read_reference(RenderCommandRequest& request) {
   std::optional<Picture> reference;
   if (!path.empty()) {
     reference = read_picture(path);
-    if (reference->width != settings.width || reference->height != settings.height)
+    if (const std::optional<Crop>& crop = settings.crop) {
+      const Picture part{crop->width, crop->height, {},
+                         false,       {},           {crop->left, crop->top, settings.width, settings.height}};
+      reference = cut_to(*reference, part);
+      if (!reference)
+        throw UsageError(path, "lacks pixels of --crop, or is of another --size",
+                         "give a reference of the whole picture");
+    } else if (reference->width != settings.width || reference->height != settings.height)
       throw UsageError(path,
                        fmt::format("is {}x{}, the render {}x{}", reference->width, reference->height, settings.width,
                                    settings.height),

@@ -90,6 +90,12 @@ MultiDeviceResult render_on_devices(const RenderCommandRequest& request, Prepare
   return shared;
 }
 
+// A state is of one part of a picture; parts have the identity of the whole, as they are merged.
+std::string state_identity(const Prepared& prepared) {
+  const std::string crop = text_of(setting_named("crop"), prepared.plan.settings);
+  return crop.empty() ? prepared.identity : prepared.identity + ";crop=" + crop;
+}
+
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
 RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prepared, RenderHooks hooks,
@@ -98,7 +104,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
   const DeviceInfo& device = prepared.device->info();
   const RenderPlan& settings = prepared.plan.settings;
   const std::optional<RenderState> resumed =
-      read_resumed(state, settings, prepared.identity, device, prepared.warnings);
+      read_resumed(state, settings, state_identity(prepared), device, prepared.warnings);
   if (resumed && !resumed->levels.empty()) {
     if (request.render.mergeable)
       throw Error(state.file, "has given noisy pixels more samples, so that its picture cannot be merged",
@@ -110,7 +116,8 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
       throw Error(state.file, "has trained its choice of light as parts do not, so that its picture cannot be merged",
                   "leave out --samples and --mergeable, or begin anew with them");
   }
-  hooks.save = state_saver(state, prepared.identity, to_line(prepared.plan.decisions), device, prepared.warnings);
+  hooks.save =
+      state_saver(state, state_identity(prepared), to_line(prepared.plan.decisions), device, prepared.warnings);
   hooks.save_interval = state.interval;
   hooks.salvages = true;
   if (resumed) hooks.resume = &*resumed;
@@ -128,6 +135,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
 
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
   RenderPlan settings = prepared.plan.settings;
+  settings.crop.reset();
   Device& device = *prepared.device;
   settings.training.found = train_light_probabilities(prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);

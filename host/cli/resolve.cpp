@@ -64,6 +64,20 @@ void resolve_strict(RenderRequest& request) {
   request.settings.techniques &= ~gpu::kTechniqueMerge;
 }
 
+// Pixels that the picture does not have, and what a part of it cannot tell.
+void check_crop(const RenderPlan& settings) {
+  if (!settings.crop) return;
+  const Crop& crop = *settings.crop;
+  if (std::uint64_t{crop.left} + crop.width > settings.width || std::uint64_t{crop.top} + crop.height > settings.height)
+    throw UsageError("--crop",
+                     fmt::format("{},{},{},{} is not within the picture of {}x{}", crop.left, crop.top, crop.width,
+                                 crop.height, settings.width, settings.height),
+                     "give X,Y,WIDTH,HEIGHT within --size, which is that of the whole picture");
+  if (settings.denoise != kDenoiseOff)
+    throw UsageError("--denoise", "looks at neighbours that a part of a picture lacks",
+                     "leave out --crop, or filter the merged picture");
+}
+
 // Decisions that would not be taken.
 void check_plan(const RenderRequest& request) {
   const char* given = request.training_paths     ? "--training-paths"
@@ -199,6 +213,7 @@ void resolve_settings(const SceneRequest& scene, RenderRequest& request) {
   check_integrator(request);
   check_shutter(scene, request.settings);
   check_camera(scene.view, request.settings);
+  check_crop(request.settings);
   resolve_strict(request);
   resolve_devices(request);
   check_plan(request);

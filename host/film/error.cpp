@@ -93,11 +93,13 @@ double largest_alone(const Film& film, std::size_t index) {
 // Weighted sums of squared errors of pixels; with quads, of the means of quads.
 struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
+  double represented = 0.0; // pixels
 
   // `pixels` of that squared error on average.
   void add(double squared, double pixels) {
     sum += squared * pixels;
     sum_of_squares += squared * squared * pixels;
+    represented += pixels;
   }
 };
 
@@ -124,8 +126,10 @@ class Quads {
 public:
   Quads(const Film& film, std::size_t row)
       : film_(film),
-        first_(tile_index_of(row * film.width) / gpu::kQuadPixels),
-        quads_(kTileRows * film.width / gpu::kQuadPixels) {}
+        area_(film.shape().area()),
+        first_(static_cast<std::uint32_t>((row + area_.top) / kTileRows * kTileRows) * area_.whole_width /
+               gpu::kQuadPixels),
+        quads_(kTileRows * area_.whole_width / gpu::kQuadPixels) {}
   void add(std::size_t pixel, double squared, double pixels) {
     Quad& quad = quads_[tile_index_of(pixel) / gpu::kQuadPixels - first_];
     quad.squared += squared * pixels, quad.pixels += pixels;
@@ -138,10 +142,12 @@ public:
 private:
   std::uint32_t tile_index_of(std::size_t pixel) const {
     const auto index = static_cast<std::uint32_t>(pixel), y = index / film_.width;
-    return gpu::tile_order_of({index - y * film_.width, y}, film_.width, film_.height);
+    return gpu::tile_order_of({index - y * film_.width + area_.left, y + area_.top}, area_.whole_width,
+                              area_.whole_height);
   }
 
   const Film& film_;
+  const gpu::FilmArea area_;
   std::uint32_t first_;
   std::vector<Quad> quads_;
 };
@@ -173,25 +179,32 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* qu
 } // namespace
 
 ErrorEstimate estimate_error(const Film& film) {
-  std::vector<Sums> rows(film.height); // added up in order: the same for any number of threads
-  tbb::parallel_for(std::size_t{0}, (rows.size() + kBlockRows - 1) / kBlockRows, [&](std::size_t block) {
-    const std::size_t first = block * kBlockRows, end = std::min(first + kBlockRows, rows.size());
+  std::vector<Sums> rows(film.height);                   // added up in order: the same for any number of threads
+  const std::size_t above = film.place.top % kBlockRows; // rows of the first block that a part lacks
+  tbb::parallel_for(std::size_t{0}, (above + rows.size() + kBlockRows - 1) / kBlockRows, [&](std::size_t block) {
+    const std::size_t first = std::max(block * kBlockRows, above) - above,
+                      end = std::min((block + 1) * kBlockRows - above, rows.size());
     const Rows statistics(film, first, end);
     std::optional<Quads> quads;
     for (std::size_t y = first; y < end; ++y) {
-      if (film.quads && y % kTileRows == 0) quads.emplace(film, y);
+      const std::size_t next = above + y + 1;
+      if (film.quads && (y == first || (next - 1) % kTileRows == 0)) quads.emplace(film, y);
       rows[y] = row_sums(statistics, y, y > first ? rows[y - 1].largest_alone : 0.0, quads ? &*quads : nullptr);
-      if (quads && ((y + 1) % kTileRows == 0 || y + 1 == end)) quads->add_to(rows[y]);
+      if (quads && (next % kTileRows == 0 || y + 1 == end)) quads->add_to(rows[y]);
     }
   });
   const std::size_t pixel_count = std::size_t{film.width} * film.height;
-  double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
+  double sum = 0.0, sum_of_squares = 0.0, largest = 0.0, represented = 0.0;
   for (const Sums& row : rows) {
+    represented += row.represented;
     sum += row.sum;
     sum_of_squares += row.sum_of_squares;
     largest = std::max(largest, row.largest_alone);
   }
-  const double n = static_cast<double>(pixel_count), mean = sum / n;
+  // A part cuts blocks. The probed pixel of a block lies in the part with the probability of any other, and then stands
+  // for the whole block: the sum is right on average, and so is its ratio to the pixels that are stood for.
+  const bool cuts_blocks = film.has_probes && film.shape().is_part();
+  const double n = cuts_blocks ? represented : static_cast<double>(pixel_count), mean = sum / n; // NaN without a probe
   // The interval is that of this picture's error, not of its expectation. Both the estimate, over probed pixels, and
   // the error, over all pixels, scatter alike and independently: the sum and the difference of two replicates are
   // independent if they are normal. The weights are known less well: over scenes and sample counts they left the
@@ -199,7 +212,10 @@ ErrorEstimate estimate_error(const Film& film) {
   // pixels of a quad err independently, their mean scatters a quarter as much as a pixel. If they err alike, it
   // scatters as much, and the interval is twice as wide.
   constexpr double kWeights = 0.05; // standard deviation of the weights' error
-  const double probed = film.has_probes ? static_cast<double>(film.shape().probe_count()) : n;
+  const auto within = [&](std::uint32_t pixel) { return pixel < pixel_count; };
+  const double probed = cuts_blocks       ? static_cast<double>(std::ranges::count_if(film.probed, within))
+                        : film.has_probes ? static_cast<double>(film.shape().probe_count())
+                                          : n;
   const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels for each squared error
   const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / probed + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);

@@ -233,14 +233,39 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
   }
 }
 
+// The number in `other` of a block of `film`, in another part of the same picture that has this block.
+std::size_t block_there(const Film& film, std::size_t block, const Film& other) {
+  const gpu::FilmArea own = film.shape().area(), there = other.shape().area();
+  const std::uint32_t probes = film.shape().probes(), each = film.quads ? gpu::kQuadPixels : 1;
+  const std::uint32_t x = gpu::probe_shift_x(own, probes), y = gpu::probe_shift_y(own, probes);
+  const std::size_t across = gpu::blocks_touched(own.left, own.width, x), index = block / each;
+  const std::size_t row = index / across + (own.top >> y) - (there.top >> y),
+                    column = index % across + (own.left >> x) - (there.left >> x);
+  return (row * gpu::blocks_touched(there.left, there.width, x) + column) * each + block % each;
+}
+
 } // namespace
+
+std::uint32_t in_picture(const FilmShape& shape, std::uint32_t entry) {
+  const gpu::FilmArea area = shape.area();
+  const auto pixels = static_cast<std::uint32_t>(shape.pixels());
+  if (entry < pixels) {
+    if (!shape.is_part()) return entry;
+    const glm::uvec2 at = gpu::pixel_in_tile_order(entry, area.width, area.height) + glm::uvec2(area.left, area.top);
+    return gpu::tile_order_of(at, area.whole_width, area.whole_height);
+  }
+  const std::uint32_t block = gpu::block_in_picture(entry - pixels, area, shape.probes());
+  const glm::uvec2 at = gpu::probed_pixel(block, area.whole_width, area.whole_height, shape.seed, shape.probes());
+  return gpu::tile_order_of(at, area.whole_width, area.whole_height);
+}
 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
          same_bytes(aovs, other.aovs) && same_bytes(groups, other.groups) &&
          same_bytes(group_splats, other.group_splats) && same_bytes(splats, other.splats) &&
          same_bytes(cover, other.cover) && light_paths == other.light_paths && has_probes == other.has_probes &&
-         quads == other.quads && (!has_probes || seed == other.seed);
+         quads == other.quads && (!has_probes || seed == other.seed) && place == other.place &&
+         same_bytes(beside, other.beside);
 }
 
 Film make_film(const FilmShape& shape) {
@@ -251,34 +276,122 @@ Film make_film(const FilmShape& shape) {
   film.groups.resize(shape.entries() * shape.groups), film.group_count = shape.groups;
   if (shape.splats) film.group_splats.resize(shape.pixels() * shape.groups);
   film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
+  film.place = shape.place;
   film.probed.resize(shape.probe_count());
+  const gpu::FilmArea area = shape.area();
+  bool all_within = true;
   for (std::uint32_t block = 0; block < film.probed.size(); ++block) {
-    const glm::uvec2 at = gpu::probed_pixel(block, film.width, film.height, film.seed, shape.probes());
-    film.probed[block] = at.y * film.width + at.x;
+    const std::uint32_t whole = gpu::block_in_picture(block, area, shape.probes());
+    const glm::uvec2 at = gpu::probed_pixel(whole, area.whole_width, area.whole_height, film.seed, shape.probes()) -
+                          glm::uvec2(area.left, area.top);
+    const bool within = at.x < film.width && at.y < film.height; // unsigned: also not left of it, nor above
+    film.probed[block] = within ? at.y * film.width + at.x : static_cast<std::uint32_t>(film.shape().pixels()) + block;
+    all_within &= within;
   }
+  if (!all_within) film.beside.resize(film.probed.size());
   return film;
+}
+
+Film cut(const Film& film, const FilmShape& part) {
+  Film result = make_film(part);
+  const gpu::FilmArea from = film.shape().area(), to = part.area();
+  const std::size_t each = film.has_probes ? 1 : gpu::kReplicates;
+  for (std::size_t y = 0; y < to.height; ++y) {
+    const std::size_t first = (y + to.top - from.top) * from.width + to.left - from.left, at = y * to.width;
+    std::copy_n(&film.pixels[first * each], to.width * each, &result.pixels[at * each]);
+    if (part.aovs) std::copy_n(&film.aovs[first], to.width, &result.aovs[at]);
+    if (part.splats)
+      std::copy_n(&film.splats[first * gpu::kReplicates], to.width * gpu::kReplicates,
+                  &result.splats[at * gpu::kReplicates]);
+    if (part.cover) std::copy_n(&film.cover[first], to.width, &result.cover[at]);
+    std::copy_n(film.groups.begin() + static_cast<std::ptrdiff_t>(first * part.groups), to.width * part.groups,
+                result.groups.begin() + static_cast<std::ptrdiff_t>(at * part.groups));
+    if (part.splats)
+      std::copy_n(film.group_splats.begin() + static_cast<std::ptrdiff_t>(first * part.groups), to.width * part.groups,
+                  result.group_splats.begin() + static_cast<std::ptrdiff_t>(at * part.groups));
+  }
+  for (std::size_t block = 0; block < result.probed.size(); ++block) {
+    const std::size_t there = block_there(result, block, film);
+    result.pixels[part.pixels() + block] = film.pixels[film.shape().pixels() + there];
+    if (part.aovs) result.aovs[part.pixels() + block] = film.aovs[film.shape().pixels() + there];
+    if (part.cover) result.cover[part.pixels() + block] = film.cover[film.shape().pixels() + there];
+    for (std::uint32_t g = 0; g < part.groups; ++g)
+      result.groups[(part.pixels() + block) * part.groups + g] =
+          film.groups[(film.shape().pixels() + there) * part.groups + g];
+    if (result.probed[block] < part.pixels()) continue;
+    const std::size_t probed = film.probed[there];
+    result.beside[block] = probed < film.shape().pixels() ? film.pixels[probed] : film.beside[there];
+  }
+  result.light_paths = film.light_paths;
+  return result;
+}
+
+bool paste(Film& film, const Film& part, std::vector<bool>& known) {
+  const gpu::FilmArea to = film.shape().area(), from = part.shape().area();
+  const std::size_t each = film.has_probes ? 1 : gpu::kReplicates;
+  const auto copy = [](const auto* values, std::size_t count, auto* there, bool is_known) {
+    if (is_known && std::memcmp(values, there, count * sizeof(*values)) != 0) return false;
+    std::copy_n(values, count, there);
+    return true;
+  };
+  for (std::size_t i = 0; i < part.shape().pixels(); ++i) {
+    const std::size_t at = (i / from.width + from.top - to.top) * to.width + i % from.width + from.left - to.left;
+    if (!copy(&part.pixels[i * each], each, &film.pixels[at * each], known[at])) return false;
+    if (!part.aovs.empty()) film.aovs[at] = part.aovs[i];
+    if (!part.cover.empty()) film.cover[at] = part.cover[i];
+    for (std::uint32_t g = 0; g < part.group_count; ++g) {
+      film.groups[at * part.group_count + g] = part.groups[i * part.group_count + g];
+      if (!part.group_splats.empty())
+        film.group_splats[at * part.group_count + g] = part.group_splats[i * part.group_count + g];
+    }
+    if (!part.splats.empty() &&
+        !copy(&part.splats[i * gpu::kReplicates], gpu::kReplicates, &film.splats[at * gpu::kReplicates], known[at]))
+      return false;
+    known[at] = true;
+  }
+  for (std::size_t block = 0; block < part.probed.size(); ++block) {
+    const std::size_t there = block_there(part, block, film);
+    film.pixels[film.shape().pixels() + there] = part.pixels[part.shape().pixels() + block];
+    const bool within = part.probed[block] < part.shape().pixels(); // the part has its AOVs, groups and cover
+    const std::size_t to_probe = film.shape().pixels() + there, from_probe = part.shape().pixels() + block;
+    if (within && !part.aovs.empty()) film.aovs[to_probe] = part.aovs[from_probe];
+    if (within && !part.cover.empty()) film.cover[to_probe] = part.cover[from_probe];
+    for (std::uint32_t g = 0; within && g < part.group_count; ++g)
+      film.groups[to_probe * part.group_count + g] = part.groups[from_probe * part.group_count + g];
+    if (film.probed[there] >= film.shape().pixels()) film.beside[there] = part.beside[block];
+  }
+  film.light_paths = part.light_paths;
+  return true;
 }
 
 // gpu::probe_block_of() with one division, in 32 bits.
 std::size_t block_of(const Film& film, std::size_t pixel) {
-  const auto index = static_cast<std::uint32_t>(pixel), y = index / film.width, x = index - y * film.width;
-  if (film.quads) return gpu::probe_block_of({x, y}, film.width, film.height, gpu::kProbesQuads);
-  const std::uint32_t side = gpu::probe_block_side(film.width, film.height);
-  const int shift = std::countr_zero(side);
-  return std::size_t{y >> shift} * ((film.width + side - 1) >> shift) + (x >> shift);
+  const gpu::FilmArea area = film.shape().area();
+  const auto index = static_cast<std::uint32_t>(pixel), row = index / film.width;
+  const std::uint32_t y = row + area.top, x = index - row * film.width + area.left;
+  const std::uint32_t probes = film.quads ? gpu::kProbesQuads : gpu::kProbesPixels;
+  const std::uint32_t shift_x = gpu::probe_shift_x(area, probes), shift_y = gpu::probe_shift_y(area, probes);
+  const std::size_t across = gpu::blocks_touched(area.left, area.width, shift_x);
+  const std::size_t block = ((y >> shift_y) - (area.top >> shift_y)) * across + (x >> shift_x) - (area.left >> shift_x);
+  if (!film.quads) return block;
+  const std::uint32_t entry = gpu::tile_order_of({x, y}, area.whole_width, area.whole_height);
+  return block * gpu::kQuadPixels + entry % gpu::kQuadPixels;
 }
 
 std::size_t probed_pixel(const Film& film, std::size_t block) { return film.probed[block]; }
 
 std::size_t pixels_probed_by(const Film& film, std::size_t probed) {
+  const gpu::FilmArea area = film.shape().area();
   if (film.quads) {
-    const auto block = static_cast<std::uint32_t>(block_of(film, probed)), rank = block % gpu::kQuadPixels;
-    const gpu::TileBlock all = gpu::tile_block(block / gpu::kQuadPixels, film.width, film.height);
+    const auto own = static_cast<std::uint32_t>(block_of(film, probed));
+    const std::uint32_t block = gpu::block_in_picture(own, area, gpu::kProbesQuads), rank = block % gpu::kQuadPixels;
+    const gpu::TileBlock all = gpu::tile_block(block / gpu::kQuadPixels, area.whole_width, area.whole_height);
     return (all.pixels - rank + gpu::kQuadPixels - 1) / gpu::kQuadPixels; // every fourth, from that rank on
   }
-  const std::size_t whole = gpu::probe_block_side(film.width, film.height);
+  const std::size_t whole = gpu::probe_block_side(area.whole_width, area.whole_height);
   const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
-  return side(probed % film.width, film.width) * side(probed / film.width, film.height);
+  return side(probed % film.width + area.left, area.whole_width) *
+         side(probed / film.width + area.top, area.whole_height);
 }
 
 void join(Film& film, const Film& other) {
@@ -288,6 +401,7 @@ void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.groups.size(); ++i) join(film.groups[i], other.groups[i]);
   for (std::size_t i = 0; i < film.group_splats.size(); ++i) join(film.group_splats[i], other.group_splats[i]);
   for (std::size_t i = 0; i < film.cover.size(); ++i) join(film.cover[i], other.cover[i]);
+  for (std::size_t i = 0; i < film.beside.size(); ++i) join(film.beside[i], other.beside[i]);
   for (std::size_t r = 0; r < gpu::kReplicates; ++r) film.light_paths[r] += other.light_paths[r];
 }
 
@@ -366,7 +480,9 @@ gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
 // (a - b)^2 / 4.
 ReplicateDifference replicate_difference(const Film& film, std::size_t probed) {
   static_assert(gpu::kReplicates == 2);
-  const auto [a, b] = replicates_of(film, probed);
+  const std::size_t pixels = film.shape().pixels();
+  const auto [a, b] = probed < pixels ? replicates_of(film, probed)
+                                      : PixelReplicates{&film.beside[probed - pixels], &film.pixels[probed]};
   const double n = a->count, m = b->count;
   if (n == 0.0 || m == 0.0) return {probed, glm::dvec3(0.0), n, m};
   const glm::dvec3 difference =
@@ -399,6 +515,7 @@ glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistic
 Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin,
                 const std::vector<std::string>& groups) {
   Picture picture{film.width, film.height, {}};
+  picture.place = film.place;
   std::vector<glm::vec3> means;
   means.reserve(std::size_t{film.width} * film.height);
   for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) means.emplace_back(mean_radiance(film, i));

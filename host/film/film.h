@@ -25,7 +25,13 @@ struct FilmShape {
   bool quads = false;       // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
   std::uint32_t groups = 0; // of lights, whose light has sums of its own
   bool cover = false;       // sums of transparency and shadow (host/render/settings/cover.h)
+  PicturePlace place{};
 
+  bool is_part() const { return place.whole_width > 0; }
+  gpu::FilmArea area() const {
+    if (!is_part()) return gpu::whole_area(width, height);
+    return {place.left, place.top, width, height, place.whole_width, place.whole_height};
+  }
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   // Value of gpu::Frame::probes.
   std::uint32_t probes() const {
@@ -33,7 +39,7 @@ struct FilmShape {
   }
   // Number of probes of the upper `rows`, which must be all rows or end with a row of tiles.
   std::uint32_t probes_above(std::uint32_t rows) const {
-    return rows > 0 && width > 0 ? gpu::probes_above(rows, width, height, probes()) : 0;
+    return rows > 0 && width > 0 ? gpu::probes_above(rows, area(), probes()) : 0;
   }
   std::uint64_t probe_count() const { return probes_above(height); }
   std::uint64_t entries() const { return pixels() + probe_count(); } // sums with AOVs of their own
@@ -49,6 +55,10 @@ struct FilmShape {
   }
   bool operator==(const FilmShape&) const = default;
 };
+
+// The pixel that an entry of a film belongs to, in tile order of the whole picture. `entry`: of a film that kernels
+// fill.
+std::uint32_t in_picture(const FilmShape& shape, std::uint32_t entry);
 
 // Exact sums of a render, row-major from the top left. Two films of different samples of one picture can be joined
 // without loss.
@@ -71,9 +81,13 @@ struct Film {
   bool quads = false;
   // Probed pixel of each block; empty without probes. It is a table because every access to a pixel needs it.
   std::vector<std::uint32_t> probed;
+  PicturePlace place{};
+  // A part that is not cut at borders of blocks: by block, the first replicate of a probed pixel outside. Else empty.
+  std::vector<gpu::FilmPixel> beside{};
 
   FilmShape shape() const {
-    return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count, !cover.empty()};
+    return {width,          height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count,
+            !cover.empty(), place};
   }
   bool operator==(const Film& other) const; // bit by bit
 };
@@ -81,8 +95,15 @@ struct Film {
 // A film without samples.
 Film make_film(const FilmShape& shape);
 
+// Copies what a film holds of a part of its picture. A block that the border of the part cuts keeps its probe.
+Film cut(const Film& film, const FilmShape& part);
+
+// Copies a part into a film that holds it. Returns false, and stops, where the film has other samples of a pixel.
+// `known`: the pixels of the film that have been pasted; updated.
+bool paste(Film& film, const Film& part, std::vector<bool>& known);
+
 // For films with error probes: the block of a pixel, which is also the index of the block's probe; and the probed pixel
-// of a block. Pixels are row-major indices.
+// of a block. Pixels are row-major indices. That of a probed pixel outside a part is pixels() + block.
 std::size_t block_of(const Film& film, std::size_t pixel);
 std::size_t probed_pixel(const Film& film, std::size_t block);
 // Number of pixels in the block of this probed pixel.

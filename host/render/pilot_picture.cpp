@@ -12,6 +12,7 @@ namespace wavepath {
 
 RenderPlan pilot_settings(const RenderPlan& settings, std::uint32_t longest_side, std::uint32_t samples) {
   RenderPlan small = settings;
+  small.crop.reset(); // a part is rendered as the whole picture is
   const std::uint32_t longest = std::max(settings.width, settings.height), side = std::min(longest_side, longest);
   small.width = std::max(1u, settings.width * side / longest);
   small.height = std::max(1u, settings.height * side / longest);

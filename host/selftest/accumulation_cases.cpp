@@ -59,7 +59,7 @@ public:
                                                         {gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film_}},
                                    unused_)) {
     gpu::Frame frame{};
-    frame.width = kPixels, frame.height = 1;
+    frame.width = frame.film_width = kPixels, frame.height = frame.film_height = 1;
     frame_.write(&frame, sizeof(frame));
     queues_.fill_zero();
     film_.fill_zero();

@@ -47,7 +47,7 @@ TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packe
       queues_(device, sizeof(gpu::Queues)),
       unused_(device, 0) {
   gpu::Frame frame{};
-  frame.width = frame.height = 256;
+  frame.width = frame.height = frame.film_width = frame.film_height = 256;
   frame.root = packed_.root;
   frame.root_is_top = packed_.root_is_top ? 1u : 0u;
   frame.scene_features = static_cast<std::uint32_t>(packed_.features);

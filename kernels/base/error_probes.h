@@ -69,15 +69,57 @@ GPU_FUNCTION TileBlock tile_block(uint index, uint width, uint height) {
   return block;
 }
 
-// Number of probes of the upper `rows` of the picture, which must be all rows or end with a row of tiles.
-GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) {
+// The rectangle of a picture that a film holds: all of it, or a part (--crop). A film that kernels fill is cut at the
+// borders of tiles and of tile blocks, so that tiles, quads and blocks are those of the whole picture.
+struct FilmArea {
+  uint left;
+  uint top;
+  uint width;
+  uint height;
+  uint whole_width;
+  uint whole_height;
+};
+GPU_FUNCTION FilmArea whole_area(uint width, uint height) {
+  FilmArea area;
+  area.left = area.top = 0u;
+  area.width = area.whole_width = width;
+  area.height = area.whole_height = height;
+  return area;
+}
+
+// Log2 of the sides of a block, or of a tile block where probes are by quads.
+GPU_FUNCTION uint probe_shift_x(FilmArea area, uint probes) {
+  if (probes == kProbesQuads) return tile_block_shift(area.whole_width, area.whole_height);
+  return probe_block_side(area.whole_width, area.whole_height) == 4u ? 2u : 3u;
+}
+GPU_FUNCTION uint probe_shift_y(FilmArea area, uint probes) {
+  return probes == kProbesQuads || probe_block_side(area.whole_width, area.whole_height) == 8u ? 3u : 2u;
+}
+
+// Number of blocks that `pixels` pixels touch, from pixel `first` of the picture on.
+GPU_FUNCTION uint blocks_touched(uint first, uint pixels, uint shift) {
+  return ((first + pixels - 1u) >> shift) - (first >> shift) + 1u;
+}
+
+// Blocks of an area are numbered row by row, as those of a picture: the number of a block in the whole picture.
+GPU_FUNCTION uint block_in_picture(uint block, FilmArea area, uint probes) {
+  if (area.width == area.whole_width && area.height == area.whole_height) return block;
+  uint each = probes == kProbesQuads ? kQuadPixels : 1u, rank = block & (each - 1u);
+  uint x = probe_shift_x(area, probes), y = probe_shift_y(area, probes);
+  uint index = divide(block, each), across = blocks_touched(area.left, area.width, x), row = divide(index, across);
+  uint whole =
+      (row + (area.top >> y)) * blocks_touched(0u, area.whole_width, x) + index - row * across + (area.left >> x);
+  return whole * each + rank;
+}
+
+// Number of probes of the upper `rows` of an area, which must be all rows or end with a row of tiles.
+GPU_FUNCTION uint probes_above(uint rows, FilmArea area, uint probes) {
   if (probes == kProbesNone) return 0u;
-  if (probes == kProbesPixels) {
-    uint side = probe_block_side(width, height);
-    return probe_blocks(rows, side) * probe_blocks(width, side);
-  }
-  uint blocks = probe_blocks(rows, 8u) * tile_blocks_across(width, height);
-  uint last = tile_block(blocks - 1u, width, height).pixels;
+  uint blocks = blocks_touched(area.top, rows, probe_shift_y(area, probes)) *
+                blocks_touched(area.left, area.width, probe_shift_x(area, probes));
+  if (probes == kProbesPixels) return blocks;
+  uint index = block_in_picture(kQuadPixels * (blocks - 1u), area, probes) / kQuadPixels;
+  uint last = tile_block(index, area.whole_width, area.whole_height).pixels;
   return kQuadPixels * (blocks - 1u) + (last < kQuadPixels ? last : kQuadPixels);
 }
 
@@ -86,11 +128,14 @@ GPU_FUNCTION uint probes_above(uint rows, uint width, uint height, uint probes) 
 GPU_FUNCTION uint rank_in_quad(uint entry, uint pixels) {
   return (entry < pixels ? entry : entry - pixels) & (kQuadPixels - 1u);
 }
-GPU_FUNCTION uint quad_entries(uint entry, uint width, uint height) {
-  uint pixels = width * height;
-  uint end = entry < pixels ? pixels : pixels + probes_above(height, width, height, kProbesQuads);
+GPU_FUNCTION uint quad_entries(uint entry, FilmArea area) {
+  uint pixels = area.width * area.height;
+  uint end = entry < pixels ? pixels : pixels + probes_above(area.height, area, kProbesQuads);
   uint left = end - entry + rank_in_quad(entry, pixels);
   return left < kQuadPixels ? left : kQuadPixels;
+}
+GPU_FUNCTION uint quad_entries(uint entry, uint width, uint height) {
+  return quad_entries(entry, whole_area(width, height));
 }
 
 GPU_FUNCTION uint probe_block_of(uvec2 pixel, uint width, uint height, uint probes) {

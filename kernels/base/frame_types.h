@@ -81,9 +81,14 @@ struct Frame {
   uint cover;         // kCover bits of what is asked for (kFeatureCover)
   uint first_catcher; // materials first_catcher <= m < end_catcher are those of the shadow catcher
   uint end_catcher;
-  uint pad_cover;
+  // The part of the picture that the film holds, in pixels (FilmArea); all of it without --crop.
+  uint film_left;
+  uint film_top;
+  uint film_width;
+  uint film_height;
+  uint pad_film;
 };
-GPU_CHECK(sizeof(Frame) == 240);
+GPU_CHECK(sizeof(Frame) == 256);
 
 GPU_CONSTANT uint kCameraPlain = 0u, kCameraPlane = 1u, kCameraFisheye = 2u, kCameraSphere = 3u;
 GPU_CONSTANT uint kEyesOne = 0u, kEyesBeside = 1u, kEyesStacked = 2u; // the left eye on the left, or on top

@@ -1,4 +1,4 @@
-// Maps a slot of the wave to its (pixel, sample). Include bindings.glsl first.
+// Maps a slot of the wave to its (pixel, sample); pixels are those of the whole picture. Include bindings.glsl first.
 #ifndef WAVEPATH_PIXEL_GLSL
 #define WAVEPATH_PIXEL_GLSL
 
@@ -17,7 +17,12 @@ uint wave_pixel(uint local) {
   return has(kFeatureAdaptive) ? texelFetch(entry_texels, int(entry)).x : entry;
 }
 
-bool is_probe(uint entry) { return has_error_probes() && entry >= frame.width * frame.height; }
+FilmArea film_area() {
+  return FilmArea(frame.film_left, frame.film_top, frame.film_width, frame.film_height, frame.width, frame.height);
+}
+uint film_pixels() { return frame.film_width * frame.film_height; }
+
+bool is_probe(uint entry) { return has_error_probes() && entry >= film_pixels(); }
 
 WavePart slot_part(uint slot) { return has(kFeatureAdaptive) ? part_of_slot(wave, slot) : even_part(wave); }
 uint wave_slots() { return has(kFeatureAdaptive) ? level_slots(wave) : wave.pixel_count * wave.sample_count; }
@@ -26,10 +31,12 @@ uint slot_entry(uint slot) { return wave_pixel(local_entry(slot_part(slot), slot
 
 uvec2 slot_pixel(uint slot) {
   uint entry = slot_entry(slot);
-  if (is_probe(entry))
-    return probed_pixel(entry - frame.width * frame.height, frame.width, frame.height, frame.seed,
-                          kReuse == kReuseNone ? kProbesPixels : frame.probes);
-  return pixel_in_tile_order(entry, frame.width, frame.height);
+  if (is_probe(entry)) {
+    uint probes = kReuse == kReuseNone ? kProbesPixels : frame.probes;
+    return probed_pixel(block_in_picture(entry - film_pixels(), film_area(), probes), frame.width, frame.height,
+                        frame.seed, probes);
+  }
+  return uvec2(frame.film_left, frame.film_top) + pixel_in_tile_order(entry, frame.film_width, frame.film_height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
 uint slot_sample(uint slot) {

@@ -42,7 +42,7 @@ void store_reuse(uint slot, uint texel, vec3 v, float w) {
 // Rank of a slot's pixel in its quad, and number of entries of that quad, whose slots are consecutive.
 uint reuse_quad(uint slot) {
   uint entry = slot_entry(slot);
-  return rank_in_quad(entry, frame.width * frame.height) + kQuadPixels * quad_entries(entry, frame.width, frame.height);
+  return rank_in_quad(entry, film_pixels()) + kQuadPixels * quad_entries(entry, film_area());
 }
 
 // Position of a sample in a picture whose quads are narrowed to those of a larger picture.

@@ -53,7 +53,9 @@ bool trace_first_hits(Device& device, const PackedScene& scene, const View& view
   paths.change(own, stage_bits({kGenerate, kAdvance, kExtend}) | shading, 0);
   paths.get_ready();
 
-  const std::uint32_t pixel_count = own.width * own.height;
+  const FilmShape& film = workspace.film.shape();
+  const gpu::FilmArea shown = picture_shape(own).area();
+  const auto pixel_count = static_cast<std::uint32_t>(film.pixels());
   const std::uint32_t most_samples = std::max(slots / std::min(pixel_count, slots), 1u);
   std::vector<FirstHit> found;
   for (std::uint32_t first = 0; first < pixel_count; first += slots) {
@@ -73,10 +75,12 @@ bool trace_first_hits(Device& device, const PackedScene& scene, const View& view
       const auto rays = download<gpu::Ray>(paths.buffers[kRays], count * samples);
       const auto hits = download<gpu::Hit>(paths.buffers[kHits], count * samples);
       const auto surfaces = download<gpu::PathAovs>(paths.buffers[kPathAovs], shading ? count * samples : 0);
-      found.resize(rays.size());
+      found.clear();
       for (std::uint32_t i = 0; i < rays.size(); ++i) {
-        const glm::uvec2 at = gpu::pixel_in_tile_order(first + i % count, own.width, own.height);
-        found[i] = {at.y * own.width + at.x, rays[i], hits[i], shading ? surfaces[i] : gpu::PathAovs{}};
+        const glm::uvec2 at = gpu::pixel_in_tile_order(first + i % count, film.width, film.height) +
+                              glm::uvec2(film.place.left, film.place.top) - glm::uvec2(shown.left, shown.top);
+        if (at.x >= shown.width || at.y >= shown.height) continue; // beside the picture
+        found.push_back({at.y * shown.width + at.x, rays[i], hits[i], shading ? surfaces[i] : gpu::PathAovs{}});
       }
       visit(found);
     }

@@ -20,15 +20,18 @@ constexpr std::uint32_t kTrainingSeed = 0x6c8e9cf5u;
 // Pilot with about that many paths, of the render's size or smaller. 0: that of parts, at the render's size: as many
 // whole samples as fit into kPartTrainingPaths, at least one.
 Pilot training_picture(const FilmTarget& film, std::uint64_t paths) {
-  const FilmShape& whole = film.shape();
-  const std::uint64_t pixels = film.pixels();
+  const gpu::FilmArea whole = film.shape().area();
+  const std::uint64_t pixels = std::uint64_t{whole.whole_width} * whole.whole_height;
   if (paths == 0) paths = pixels * std::max<std::uint64_t>(kPartTrainingPaths / pixels, 1);
   const auto samples = static_cast<std::uint32_t>((paths + pixels - 1) / pixels);
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
-  Pilot pilot{.samples = samples, .seed = kTrainingSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
+  Pilot pilot{.samples = samples,
+              .seed = kTrainingSeed,
+              .width = scaled(whole.whole_width),
+              .height = scaled(whole.whole_height)};
   pilot.reuses_paths = false; // training measures the value of a light for the whole path
-  pilot.segments = pilot.width == whole.width && pilot.height == whole.height
+  pilot.segments = pilot.width == film.shape().width && pilot.height == film.shape().height
                        ? even_segments(film.bands())
                        : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};
   return pilot;

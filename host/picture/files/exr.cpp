@@ -4,7 +4,9 @@
 #include "host/picture/files/exr.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <span>
@@ -125,8 +127,10 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 constexpr std::size_t kReplicateWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kReplicateWords,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords,
                       kCoverWords = sizeof(gpu::FilmCover) / 4;
-constexpr const char* kWithProbes = "whole"; // value of the attribute wavepath.nets
-constexpr const char* kQuads = "quads";      // of wavepath.shared: pixels that share samples
+constexpr const char* kWithProbes = "whole";                        // value of the attribute wavepath.nets
+constexpr const char* kQuads = "quads";                             // of wavepath.shared: pixels that share samples
+constexpr const char* kBesideAttribute = "wavepath.beside";         // of a part: probed pixels outside
+constexpr const char* kLightPathsAttribute = "wavepath.lightpaths"; // of a part: light paths of the whole picture
 
 std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
 std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}", kFilmPrefix, word); }
@@ -165,19 +169,70 @@ struct ProbeSums {
   std::vector<gpu::FilmCover> cover;
 };
 
-// Calls body(entry of the film, pixel) for every error probe.
+// Calls body(entry of the film, pixel) for every error probe whose pixel the film has.
 template <class Body>
 void for_each_probe(const Film& film, Body body) {
   const FilmShape shape = film.shape();
   for (std::size_t block = 0; block < shape.probe_count(); ++block)
-    body(shape.pixels() + block, probed_pixel(film, block));
+    if (probed_pixel(film, block) < shape.pixels()) body(shape.pixels() + block, probed_pixel(film, block));
+}
+
+// The sums of both replicates of probed pixels outside a part, in the order of blocks, in hexadecimal.
+std::string beside_text(const Film& film) {
+  std::string text;
+  for (std::size_t block = 0; block < film.beside.size(); ++block) {
+    if (probed_pixel(film, block) < film.shape().pixels()) continue;
+    for (const gpu::FilmPixel* sums : {&film.beside[block], &film.pixels[film.shape().pixels() + block]}) {
+      std::uint32_t words[kReplicateWords];
+      std::memcpy(words, sums, sizeof(words));
+      for (const std::uint32_t word : words) text += fmt::format("{:08x}", word);
+    }
+  }
+  return text;
+}
+
+// Numbers of light paths, separated by a comma. Returns false if the text is something else.
+bool read_counts(const std::string& text, std::array<std::uint64_t, gpu::kReplicates>& counts) {
+  const char *at = text.data(), *const end = at + text.size();
+  for (std::uint64_t& count : counts) {
+    if (&count != &counts.front() && (at == end || *at++ != ',')) return false;
+    const auto [next, error] = std::from_chars(at, end, count);
+    if (error != std::errc()) return false;
+    at = next;
+  }
+  return at == end;
+}
+
+// The reverse of beside_text(). Returns false if the text is not of that film.
+bool read_beside(const std::string& text, Film& film) {
+  std::size_t at = 0;
+  for (std::size_t block = 0; block < film.beside.size(); ++block) {
+    if (probed_pixel(film, block) < film.shape().pixels()) continue;
+    for (gpu::FilmPixel* sums : {&film.beside[block], &film.pixels[film.shape().pixels() + block]}) {
+      std::uint32_t words[kReplicateWords] = {};
+      for (std::uint32_t& word : words) {
+        if (at + 8 > text.size()) return false;
+        const auto [end, error] = std::from_chars(text.data() + at, text.data() + at + 8, word, 16);
+        if (error != std::errc() || end != text.data() + at + 8) return false;
+        at += 8;
+      }
+      std::memcpy(sums, words, sizeof(words));
+    }
+  }
+  return at == text.size();
+}
+
+// A slice whose first value is that of the window's left top corner.
+Imf::Slice slice_at(Imf::PixelType type, const void* first, const Imath::Box2i& window, std::size_t x, std::size_t y) {
+  // OpenEXR takes a pointer to non-const for reading and writing alike.
+  return Imf::Slice::Make(type, const_cast<void*>(first), window, x, y);
 }
 
 // Points OpenEXR at the words where they lie, for reading and writing alike.
-void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes) {
+void insert_film(Imf::FrameBuffer& pixels, Film& film, ProbeSums& probes, const Imath::Box2i& window) {
   const auto insert = [&](const std::string& channel, void* first, std::size_t words) {
     const std::size_t stride = 4 * words;
-    pixels.insert(channel, Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
+    pixels.insert(channel, slice_at(Imf::UINT, first, window, stride, stride * film.width));
   };
   const auto words_of = [](auto& values) { return reinterpret_cast<std::uint32_t*>(values.data()); };
   if (film.has_probes) {
@@ -276,6 +331,33 @@ void add_own_attributes(Imf::Header& header, const PictureInfo& info) {
   header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
   if (info.film->has_probes) add_text(header, "wavepath.nets", kWithProbes);
   if (info.film->quads) add_text(header, "wavepath.shared", kQuads);
+  if (!info.film->shape().is_part()) return;
+  if (!info.film->beside.empty()) add_text(header, kBesideAttribute, beside_text(*info.film));
+  if (!info.film->splats.empty())
+    add_text(header, kLightPathsAttribute, fmt::format("{},{}", info.film->light_paths[0], info.film->light_paths[1]));
+}
+
+// The pixels of a picture, counted from the left top corner of the whole; and the whole.
+Imath::Box2i window_of(const Picture& picture) {
+  const Imath::V2i first(static_cast<int>(picture.place.left), static_cast<int>(picture.place.top));
+  return {first, first + Imath::V2i(static_cast<int>(picture.width) - 1, static_cast<int>(picture.height) - 1)};
+}
+Imath::Box2i whole_window(const Picture& picture) {
+  const PicturePlace& place = picture.place;
+  if (place.whole_width == 0) return window_of(picture);
+  return {Imath::V2i(0, 0),
+          Imath::V2i(static_cast<int>(place.whole_width) - 1, static_cast<int>(place.whole_height) - 1)};
+}
+
+// The reverse; nothing where a file has windows that no picture of ours has.
+std::optional<PicturePlace> place_of(const Imf::Header& header) {
+  const Imath::Box2i data = header.dataWindow(), whole = header.displayWindow();
+  if (whole.min != Imath::V2i(0, 0) || data.min.x < 0 || data.min.y < 0 || data.max.x > whole.max.x ||
+      data.max.y > whole.max.y)
+    return std::nullopt;
+  if (data == whole) return PicturePlace{};
+  return PicturePlace{static_cast<std::uint32_t>(data.min.x), static_cast<std::uint32_t>(data.min.y),
+                      static_cast<std::uint32_t>(whole.max.x) + 1, static_cast<std::uint32_t>(whole.max.y) + 1};
 }
 
 // One for each part.
@@ -283,7 +365,8 @@ std::vector<Imf::Header> make_headers(const Picture& picture, const PictureInfo&
                                       const std::vector<PicturePart>& parts) {
   std::vector<Imf::Header> headers;
   for (const PicturePart& part : parts) {
-    Imf::Header& header = headers.emplace_back(static_cast<int>(picture.width), static_cast<int>(picture.height));
+    const Imath::Box2i window = window_of(picture);
+    Imf::Header& header = headers.emplace_back(whole_window(picture), window);
     header.compression() = kCompressions[static_cast<std::size_t>(part.compression)];
     if (!part.name.empty()) {
       header.setName(part.name);
@@ -318,6 +401,8 @@ std::string own_name(const Imf::Header& header, const std::string& written) {
   return text.substr(first, text.find('\n', first) - first);
 }
 
+std::uint32_t size_of(int first, int last) { return static_cast<std::uint32_t>(last - first) + 1; }
+
 // Half copies of the channels that become half; `clamped` counts what did not fit.
 std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint64_t& clamped) {
   std::vector<std::vector<Imath::half>> halves;
@@ -342,7 +427,7 @@ struct StoredChannel {
 // Appends the channels of a part, but for sums. False where the part is not as write_exr() leaves it.
 bool list_own_channels(const Imf::Header& header, int part, const Imath::Box2i& window,
                        std::vector<StoredChannel>& channels) {
-  if (header.dataWindow() != window || header.displayWindow() != window || window.min != Imath::V2i(0, 0)) return false;
+  if (header.dataWindow() != window || !place_of(header)) return false;
   if (Imf::hasChromaticities(header)) {
     const Imf::Chromaticities c = Imf::chromaticities(header);
     if (!is_rec709({c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y})) return false;
@@ -396,6 +481,7 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
       std::ranges::copy(in_film, there.begin());
       if (!probes.cover.empty()) probes.cover[pixel] = info.film->cover[entry];
     });
+  const Imath::Box2i window = window_of(picture);
   const auto pixels_of = [&](const PicturePart& part) {
     Imf::FrameBuffer pixels;
     for (const std::size_t i : part.channels) {
@@ -403,12 +489,10 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
       const bool as_half = options.half && !needs_float(channel.name);
       const void* values = as_half ? static_cast<const void*>(halves[i].data()) : channel.values.data();
       const std::size_t size = as_half ? sizeof(Imath::half) : sizeof(float);
-      // OpenEXR takes a pointer to non-const for reading and writing alike.
       pixels.insert(written_name(options.layers, channel.name),
-                    Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT, static_cast<char*>(const_cast<void*>(values)), size,
-                               size * picture.width));
+                    slice_at(as_half ? Imf::HALF : Imf::FLOAT, values, window, size, size * picture.width));
     }
-    if (part.sums) insert_film(pixels, const_cast<Film&>(*info.film), probes);
+    if (part.sums) insert_film(pixels, const_cast<Film&>(*info.film), probes, window);
     return pixels;
   };
 
@@ -453,7 +537,8 @@ std::optional<Picture> read_own_exr(const std::string& path) try {
   std::ranges::sort(channels, {}, rank);
   if (channels.size() < 3 || channels[0].name != "R" || channels[1].name != "G" || channels[2].name != "B") return {};
 
-  Picture picture{static_cast<std::uint32_t>(window.max.x) + 1, static_cast<std::uint32_t>(window.max.y) + 1, {}};
+  Picture picture{size_of(window.min.x, window.max.x), size_of(window.min.y, window.max.y), {}};
+  picture.place = *place_of(input.header(0));
   const std::uint64_t pixel_count = std::uint64_t{picture.width} * picture.height;
   if (pixel_count > kMostPixels) return {};
   require_memory(path, "reading it", pixel_count * channels.size() * sizeof(float), "use a smaller picture");
@@ -478,6 +563,15 @@ std::optional<Picture> read_own_exr(const std::string& path) try {
   throw;
 } catch (const std::exception&) { // host/codecs says what is wrong
   return {};
+}
+
+std::optional<PartWindow> read_window(const std::string& path) {
+  return read_header(path, [](const Imf::Header& header) -> std::optional<PartWindow> {
+    const Imath::Box2i window = header.dataWindow();
+    const std::optional<PicturePlace> place = place_of(header);
+    if (!place) return std::nullopt;
+    return PartWindow{*place, size_of(window.min.x, window.max.x), size_of(window.min.y, window.max.y)};
+  });
 }
 
 std::optional<double> read_number(const std::string& path, const std::string& name) {
@@ -529,9 +623,11 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   if (part == file.parts()) return nullptr;
   const Imf::ChannelList& channels = file.header(part).channels();
   const Imath::Box2i window = file.header(part).dataWindow();
-  FilmShape shape{static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1)};
-  if (window.min.x != 0 || window.min.y != 0 || shape.pixels() > kMostPixels)
+  FilmShape shape{size_of(window.min.x, window.max.x), size_of(window.min.y, window.max.y)};
+  const std::optional<PicturePlace> place = place_of(file.header(part));
+  if (!place || shape.pixels() > kMostPixels)
     throw Error(path, "holds no film that this version can read", "render it again");
+  shape.place = *place;
   shape.aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
   shape.splats = channels.findChannel(splat_channel(0)) != nullptr;
   while (shape.groups < gpu::kMostLightGroups &&
@@ -554,7 +650,7 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   }
   Imf::FrameBuffer pixels;
   ProbeSums probes(shape);
-  insert_film(pixels, *film, probes);
+  insert_film(pixels, *film, probes, window);
   Imf::InputPart input(file, part);
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
@@ -566,6 +662,12 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
     if (!probes.cover.empty()) film->cover[entry] = probes.cover[pixel];
   });
   count_light_paths(*film);
+  if (!shape.is_part()) return film;
+  std::array<std::uint64_t, gpu::kReplicates>& paths = film->light_paths;
+  const std::string counts = read_attribute(path, kLightPathsAttribute);
+  const bool has_counts = film->splats.empty() || read_counts(counts, paths);
+  if (!has_counts || !read_beside(read_attribute(path, kBesideAttribute), *film))
+    throw Error(path, "lacks sums of a part of a picture", "render it again");
   return film;
 } catch (...) {
   explain_reading(path);

@@ -14,6 +14,13 @@
 
 namespace wavepath {
 
+// The part of a picture that a file holds.
+struct PartWindow {
+  PicturePlace place;
+  std::uint32_t width = 0, height = 0;
+  bool operator==(const PartWindow&) const = default;
+};
+
 // Of a picture that is one of a sequence.
 struct SequenceFrame {
   int number = 0;
@@ -58,6 +65,9 @@ inline constexpr const char* kFilmPrefix = "film.";
 
 // A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
 std::string read_attribute(const std::string& path, const std::string& name);
+
+// The windows of an EXR. Nothing if the file is none, or its windows are not as write_exr() leaves them.
+std::optional<PartWindow> read_window(const std::string& path);
 
 // A number from an EXR header; empty if the file is no EXR or has none of that name.
 std::optional<double> read_number(const std::string& path, const std::string& name);

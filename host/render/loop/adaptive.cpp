@@ -154,13 +154,13 @@ std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uin
 } // namespace
 
 FilmShape noise_pilot_shape(const FilmTarget& film) {
-  const FilmShape& whole = film.shape();
-  FilmShape shape{.quads = whole.quads};
-  std::uint32_t part = noise_pilot_part(whole.pixels());
+  const gpu::FilmArea whole = film.shape().area();
+  FilmShape shape{.quads = film.shape().quads};
+  std::uint32_t part = noise_pilot_part(std::uint64_t{whole.whole_width} * whole.whole_height);
   do {
-    shape.width = (whole.width + part - 1) / part, shape.height = (whole.height + part - 1) / part;
+    shape.width = (whole.whole_width + part - 1) / part, shape.height = (whole.whole_height + part - 1) / part;
     part *= 2;
-  } while (shape.bytes() > film.bands().front().film.bytes() && shape.pixels() > 1);
+  } while (shape.bytes() > film.pilot_bytes() && shape.pixels() > 1);
   return shape;
 }
 
@@ -169,6 +169,12 @@ std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels) {
   const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotFraction;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestPilotSamples, kMostPilotSamples)) /
          gpu::kReplicates * gpu::kReplicates;
+}
+
+double mean_factor(const std::vector<std::int8_t>& levels, const FilmShape& part) {
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < part.pixels(); ++i) sum += std::ldexp(1.0, levels[in_picture(part, i) / kRunPixels]);
+  return sum / static_cast<double>(part.pixels());
 }
 
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels) {

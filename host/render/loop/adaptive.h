@@ -41,5 +41,7 @@ SampleDistribution distribute_samples(const Film& pilot, std::uint32_t width, st
 
 // Average samples of a pixel with these levels, relative to those without.
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels);
+// The same of a film that holds a part of the picture that the levels are of.
+double mean_factor(const std::vector<std::int8_t>& levels, const FilmShape& part);
 
 } // namespace wavepath

@@ -8,11 +8,11 @@ namespace wavepath {
 namespace {
 
 template <class Read>
-FilmEstimate make_estimate(Read read) {
+FilmEstimate make_estimate(const FilmShape& part, Read read) {
   const auto start = Clock::now();
   FilmEstimate result;
   result.film = std::make_shared<const Film>(read());
-  result.error = estimate_error(*result.film);
+  result.error = estimate_error(part == result.film->shape() ? *result.film : cut(*result.film, part));
   result.seconds = seconds_since(start);
   return result;
 }
@@ -28,8 +28,8 @@ std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const Film
   return copy;
 }
 
-std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> copy) {
-  const auto estimate = [copy = std::move(copy)] { return make_estimate([&] { return copy->read(); }); };
+std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> copy, const FilmShape& part) {
+  const auto estimate = [copy = std::move(copy), part] { return make_estimate(part, [&] { return copy->read(); }); };
   try {
     return std::async(std::launch::async, estimate);
   } catch (const std::system_error&) { // no thread can be had, and a render must not end for that
@@ -39,9 +39,9 @@ std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> cop
   }
 }
 
-std::future<FilmEstimate> estimate_now(const FilmTarget& film) {
+std::future<FilmEstimate> estimate_now(const FilmTarget& film, const FilmShape& part) {
   std::promise<FilmEstimate> estimate;
-  estimate.set_value(make_estimate([&] { return film.download(); }));
+  estimate.set_value(make_estimate(part, [&] { return film.download(); }));
   return estimate.get_future();
 }
 

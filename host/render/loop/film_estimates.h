@@ -25,9 +25,9 @@ public:
 
   // Records a copy of the film. Throws Error if there is no memory for it.
   std::shared_ptr<FilmSnapshot> copy(Commands& commands, const FilmTarget& film);
-  // Begins an estimate from a copy whose commands have been waited for. The copy returns to the pool after the
-  // estimate.
-  std::future<FilmEstimate> begin(std::shared_ptr<FilmSnapshot> copy);
+  // Begins an estimate from a copy whose commands have been waited for: of the error of `part`, the film's own shape or
+  // a part of it. The copy returns to the pool after the estimate.
+  std::future<FilmEstimate> begin(std::shared_ptr<FilmSnapshot> copy, const FilmShape& part);
   // Returns to the pool a copy that was not given to begin(), or whose estimate has been taken in.
   void give_back(std::shared_ptr<FilmSnapshot> copy) { free_.push_back(std::move(copy)); }
   // Detaches an estimate whose result is no longer needed. It keeps its copy until it ends.
@@ -40,7 +40,7 @@ private:
 };
 
 // Estimates the film itself, before returning. Nothing may be in flight.
-std::future<FilmEstimate> estimate_now(const FilmTarget& film);
+std::future<FilmEstimate> estimate_now(const FilmTarget& film, const FilmShape& part);
 
 // True if the future has its value; false if there is no future.
 template <class T>

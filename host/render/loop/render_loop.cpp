@@ -194,7 +194,11 @@ void RenderLoop::explore(const Pilot& pilot) {
   exploring_ = true;
   const gpu::Frame frame = workspace_.frame;
   workspace_.frame.seed ^= pilot.seed;
-  if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
+  if (pilot.width > 0) { // of the whole picture, whichever part the film holds
+    workspace_.frame.width = workspace_.frame.film_width = pilot.width;
+    workspace_.frame.height = workspace_.frame.film_height = pilot.height;
+    workspace_.frame.film_left = workspace_.frame.film_top = 0;
+  }
   if (pilot.splits_replicates) workspace_.frame.probes = gpu::kProbesNone;
   if (!pilot.reuses_paths) workspace_.frame.reuses_paths = 0;
   if (workspace_.frame.reuses_paths && pilot.width > 0) // pixels that share are as close as in the picture
@@ -223,7 +227,7 @@ void RenderLoop::explore(const Pilot& pilot) {
 void RenderLoop::adapt_levels() {
   const FilmShape shape = noise_pilot_shape(workspace_.film);
   const bool open_ended = settings_.time_limit > 0.0 || settings_.target_error > 0.0; // it may be short
-  const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned(), pixels());
+  const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned(), whole_pixels());
   explore({.segments = {{0, 0, static_cast<std::uint32_t>(shape.pixels()), 0}},
            .samples = samples,
            .seed = kAdaptivePilotSeed,
@@ -248,7 +252,8 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   std::vector<std::uint32_t> entries;
   segments_ = level_segments(workspace_.film, levels, entries);
   workspace_.set_entries(std::move(entries));
-  mean_factor_ = mean_factor(levels, pixels());
+  const FilmShape& shape = workspace_.film.shape();
+  mean_factor_ = shape.is_part() ? mean_factor(levels, shape) : mean_factor(levels, pixels());
 }
 
 // End of the pass in progress. A pass gives every pixel the same samples: one, or as many as fill a wave. It ends at
@@ -291,9 +296,10 @@ std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, st
   if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
   const gpu::Frame& frame = workspace_.frame; // the pilot's own during a pilot
   const std::uint32_t next = segment.first_entry + done, beyond = workspace_.entry_at(next + fit);
-  const std::uint32_t whole = fit - gpu::rank_in_quad(beyond, frame.width * frame.height);
+  const std::uint32_t whole = fit - gpu::rank_in_quad(beyond, frame.film_width * frame.film_height);
   if (whole > 0 || slots > 0) return whole;
-  return gpu::quad_entries(workspace_.entry_at(next), frame.width, frame.height);
+  return gpu::quad_entries(workspace_.entry_at(next), {frame.film_left, frame.film_top, frame.film_width,
+                                                       frame.film_height, frame.width, frame.height});
 }
 
 gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,
@@ -302,6 +308,7 @@ gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::u
   const FilmBand& band = workspace_.film.bands()[segment.band];
   gpu::Wave wave = integrator_->wave(band, workspace_.entry_at(index), taken, first, count);
   wave.first_pixel = index;
+  if (exploring_ && workspace_.film.shape().is_part()) wave.first_film_pixel = 0; // a pilot's film begins its band
   return wave;
 }
 
@@ -389,6 +396,11 @@ MemoryUse RenderLoop::memory() const {
   use.paths = workspace_.bytes() + integrator_->bytes();
   use.film = workspace_.film.bytes();
   return use;
+}
+
+std::shared_ptr<const Film> RenderLoop::of_picture(std::shared_ptr<const Film> film) const {
+  if (!settings_.crop) return film;
+  return std::make_shared<const Film>(cut(*film, picture_shape(settings_)));
 }
 
 Film RenderLoop::film() {

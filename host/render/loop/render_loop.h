@@ -94,6 +94,9 @@ private:
 
   bool traces_paths() const { return settings_.integrator->traces_paths; }
   std::uint64_t pixels() const { return workspace_.film.pixels(); }
+  std::uint64_t whole_pixels() const { return std::uint64_t{settings_.width} * settings_.height; }
+  // What the picture shows of a film that kernels filled.
+  std::shared_ptr<const Film> of_picture(std::shared_ptr<const Film> film) const;
   std::uint64_t entries() const { return workspace_.film.shape().entries(); } // entries of the film that a pass covers
   std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
   std::uint32_t samples_per_pixel() const;

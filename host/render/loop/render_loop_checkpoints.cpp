@@ -78,7 +78,7 @@ void RenderLoop::checkpoint() {
   }
   if (estimates_at_once_) {
     measure(pending);
-    pending.estimate = estimate_now(workspace_.film);
+    pending.estimate = estimate_now(workspace_.film, picture_shape(settings_));
     return;
   }
   queue_.submit([&](Commands& commands) { pending.copy = estimates_.copy(commands, workspace_.film); },
@@ -94,7 +94,7 @@ void RenderLoop::measure(Pending& pending) {
   pending.point.rays = queue_.totals.rays;
   pending.point.error = unknown_error();
   pending.measured = true;
-  if (pending.copy) pending.estimate = estimates_.begin(pending.copy);
+  if (pending.copy) pending.estimate = estimates_.begin(pending.copy, picture_shape(settings_));
 }
 
 void RenderLoop::collect_estimates(bool wait) {
@@ -130,7 +130,8 @@ void RenderLoop::take_in_first() {
     result_.checkpoints.push_back(point);
     if (hooks_.checkpoint && film_) { // comparing with a reference is not rendering
       pause_clock();
-      hooks_.checkpoint(point, develop(*film_, settings_.aovs, workspace_.scene.origin, settings_.group_names));
+      hooks_.checkpoint(
+          point, develop(*of_picture(film_), settings_.aovs, workspace_.scene.origin, settings_.group_names));
       resume_clock();
     }
   }
@@ -170,7 +171,7 @@ void RenderLoop::publish() {
   queue_.drain();
   collect_estimates(true);
   if (stopped_) return;
-  const auto film = std::make_shared<const Film>(workspace_.film.download());
+  const auto film = of_picture(std::make_shared<const Film>(workspace_.film.download()));
   pause_clock();
   RenderResult so_far = result_;
   so_far.film = film;
@@ -197,10 +198,10 @@ bool RenderLoop::is_show_due() const {
 }
 
 void RenderLoop::show() {
-  const Film film = this->film();
+  const auto film = std::make_shared<const Film>(this->film());
   pause_clock();
   const Clock::time_point start = Clock::now();
-  hooks_.show(develop(film, settings_.aovs, workspace_.scene.origin, settings_.group_names));
+  hooks_.show(develop(*of_picture(film), settings_.aovs, workspace_.scene.origin, settings_.group_names));
   const Clock::duration taken = Clock::now() - start;
   next_show_ = Clock::now() + std::max<Clock::duration>(kShowInterval, kShowPause * taken);
   resume_clock();
@@ -251,9 +252,10 @@ RenderResult RenderLoop::finish() {
     film_ = std::make_shared<const Film>(workspace_.film.download());
     film_sample_ = cursor_.sample;
     film_totals_ = queue_.totals;
-    whole.point.error = estimate_error(*film_);
+    whole.point.error = estimate_error(*of_picture(film_));
     last_ = whole.point;
   }
+  film_ = of_picture(std::move(film_)); // the state is saved
   result_.picture = develop(*film_, settings_.aovs, workspace_.scene.origin, settings_.group_names);
   result_.spp = samples_per_pixel(); // samples of complete passes; a pass that was cut short has given some pixels more
   result_.nonfinite = queue_.totals.nonfinite;

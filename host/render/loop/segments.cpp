@@ -3,8 +3,6 @@
 #include <array>
 
 #include "host/render/workspace/levels.h"
-#include "kernels/base/error_probes.h"
-#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 
@@ -35,19 +33,16 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
                                     std::vector<std::uint32_t>& entries) {
   const FilmShape& shape = film.shape();
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
-  const auto probe_level = [&](std::uint32_t block) {
-    const glm::uvec2 probed = gpu::probed_pixel(block, shape.width, shape.height, shape.seed, shape.probes());
-    return levels[gpu::tile_order_of(probed, shape.width, shape.height) / kRunPixels];
-  };
+  const auto level_of = [&](std::uint32_t entry) { return levels[in_picture(shape, entry) / kRunPixels]; };
   std::vector<Segment> segments;
   for (std::size_t i = 0; i < film.bands().size(); ++i) {
     const FilmBand& band = film.bands()[i];
     std::array<std::vector<std::uint32_t>, kHighestLevel - kLowestLevel + 1> firsts, seconds;
     const std::uint32_t end = band.first_pixel + band.pixel_count;
     for (std::uint32_t pixel = band.first_pixel; pixel < end; ++pixel)
-      firsts[levels[pixel / kRunPixels] - kLowestLevel].push_back(pixel);
+      firsts[level_of(pixel) - kLowestLevel].push_back(pixel);
     for (std::uint32_t block = band.first_probe; block < band.first_probe + band.probe_count; ++block)
-      seconds[probe_level(block) - kLowestLevel].push_back(pixels + block);
+      seconds[level_of(pixels + block) - kLowestLevel].push_back(pixels + block);
     const auto add = [&](const std::vector<std::uint32_t>& list, int level) {
       const auto first = static_cast<std::uint32_t>(entries.size()), count = static_cast<std::uint32_t>(list.size());
       if (count == 0) return;

@@ -67,6 +67,9 @@ Nonfinite nonfinite_from(const Json& json) {
 
 Json state_json(const RayCounts& rays) { return {rays.camera, rays.bounce, rays.shadow, rays.occlusion}; }
 
+Json state_json(const PicturePlace& place) { return {place.left, place.top, place.whole_width, place.whole_height}; }
+PicturePlace place_from(const Json& json) { return {json.at(0), json.at(1), json.at(2), json.at(3)}; }
+
 Json state_json(const std::optional<NoisePilot>& pilot) {
   return pilot ? Json{pilot->samples, pilot->width, pilot->height, pilot->cost, pilot->used} : Json();
 }
@@ -97,6 +100,7 @@ Json describe(const std::string& identity, const std::string& device, const std:
           {"noise", state_json(state.noise)},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
+          {"place", state_json(state.film.place)},
           {"aovs", !state.film.aovs.empty()},
           {"splats", !state.film.splats.empty()},
           {"whole_nets", state.film.has_probes},
@@ -191,9 +195,16 @@ StateRecord read_state(const std::string& path) try {
   const Json json = Json::parse(document);
   StateRecord record{json.at("identity"), json.at("device"), json.at("plan"), state_from(json)};
 
-  const FilmShape shape{json.at("size").at(0),      json.at("size").at(1),    json.at("aovs"),
-                        json.at("splats"),          json.at("whole_nets"),    json.at("seed"),
-                        json.value("quads", false), json.value("groups", 0u), json.value("cover", false)};
+  const FilmShape shape{json.at("size").at(0),
+                        json.at("size").at(1),
+                        json.at("aovs"),
+                        json.at("splats"),
+                        json.at("whole_nets"),
+                        json.at("seed"),
+                        json.value("quads", false),
+                        json.value("groups", 0u),
+                        json.value("cover", false),
+                        json.contains("place") ? place_from(json.at("place")) : PicturePlace{}};
   if (reader.left() != shape.bytes() + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   Film& film = record.state.film;
   film = make_film(shape);

@@ -68,10 +68,17 @@ struct Lens {
   std::uint32_t blades = 0; // corners of the aperture, a regular polygon; 0 = a disc
 };
 
+// A rectangle of pixels, counted from the left top corner of the whole picture.
+struct Crop {
+  std::uint32_t left = 0, top = 0, width = 0, height = 0;
+  bool operator==(const Crop&) const = default;
+};
+
 struct RenderSettings {
   IntegratorSetting integrator = &default_integrator();
-  std::uint32_t width = 1280, height = 720;
-  std::uint32_t first_sample = 0; // range of samples of every pixel: first_sample <= s < last_sample
+  std::uint32_t width = 1280, height = 720; // of the whole picture
+  std::optional<Crop> crop;                 // the part of it that is rendered (crop.h); empty = all
+  std::uint32_t first_sample = 0;           // range of samples of every pixel: first_sample <= s < last_sample
   std::uint32_t last_sample = 64;
   // Samples of the whole render that this range is a part of, for stratification; 0 = last_sample.
   std::uint32_t sample_total = 0;

@@ -98,6 +98,24 @@ void read_size(const FlagValue& value, S& settings) {
   settings.height = height.whole_number(1, kLargestSide);
 }
 
+void read_crop(const FlagValue& value, S& settings) {
+  const std::vector<double> numbers = value.numbers(4, "write it as X,Y,WIDTH,HEIGHT, such as 0,0,640,360");
+  std::array<std::uint32_t, 4> pixels{};
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!(numbers[i] >= 0.0 && numbers[i] <= kLargestSide) || numbers[i] != std::floor(numbers[i]))
+      value.refuse("is not in whole pixels", fmt::format("give whole numbers from 0 to {}", kLargestSide));
+    pixels[i] = static_cast<std::uint32_t>(numbers[i]);
+  }
+  settings.crop = Crop{pixels[0], pixels[1], pixels[2], pixels[3]};
+  if (pixels[2] == 0 || pixels[3] == 0) value.refuse("is empty", "give a width and a height of 1 pixel or more");
+}
+
+std::string crop_text(const S& settings) {
+  if (!settings.crop) return "";
+  const Crop& crop = *settings.crop;
+  return fmt::format("{},{},{},{}", crop.left, crop.top, crop.width, crop.height);
+}
+
 std::uint32_t whole_samples(const S& settings) {
   return settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
 }
@@ -189,6 +207,17 @@ std::vector<Setting> picture_rows() {
        .group = SettingGroup::picture,
        .offered = kByAll,
        .always_copied = true},
+      // Parts of one picture have one identity, so that they can be merged.
+      {.name = "crop",
+       .value = SpecialValue{read_crop, crop_text},
+       .meaning = "render this rectangle of the picture only, X and Y from its left top corner, to the bits of the "
+                  "whole picture; --size stays that of the whole",
+       .placeholder = "X,Y,W,H",
+       .initial = "all of it",
+       .group = SettingGroup::picture,
+       .advanced = true,
+       .offered = kByRender,
+       .identity = [](const S&) { return std::string(); }},
       {.name = "filter",
        .value = ChoiceValue{&S::filter, kFilterNames},
        .meaning = "pixel filter, importance-sampled",

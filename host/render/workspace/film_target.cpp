@@ -102,11 +102,10 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
 
 } // namespace
 
-// A band is what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
-bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
-  bool moved = (shape_.groups > 0) != (shape.groups > 0); // kernels are bound to more, or to less
-  shape_ = shape;
-  const DeviceInfo& info = device_->info();
+namespace {
+
+// Pixels of a band: what one buffer may hold, written as storage and read as texels.
+std::uint64_t most_pixels(const FilmShape& shape, const DeviceInfo& info) {
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_entries =
       range / std::max<std::uint64_t>({replicates_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs),
@@ -118,7 +117,34 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
     step = 8 * std::uint64_t{shape.width};
     most = most_entries / (step + shape.probes_above(std::min(8u, shape.height))) * step;
   }
-  most = std::max(most / step, std::uint64_t{1}) * step;
+  return std::max(most / step, std::uint64_t{1}) * step;
+}
+
+// Of the first band where a film holds the whole picture.
+std::uint64_t first_band_bytes(FilmShape shape, const DeviceInfo& info) {
+  const gpu::FilmArea area = shape.area();
+  shape.width = area.whole_width, shape.height = area.whole_height, shape.place = {};
+  FilmBand band;
+  band.pixel_count = static_cast<std::uint32_t>(std::min(most_pixels(shape, info), shape.pixels()));
+  band.probe_count = shape.probes_above(band.pixel_count / shape.width);
+  return film_bytes(band, shape);
+}
+
+// Of a pilot of the noise in a whole picture, of which a film holds a part.
+std::uint64_t noise_pilot_bytes(const FilmShape& shape) {
+  const gpu::FilmArea area = shape.area();
+  const std::uint32_t part = noise_pilot_part(std::uint64_t{area.whole_width} * area.whole_height);
+  return std::uint64_t{(area.whole_width + part - 1) / part} * ((area.whole_height + part - 1) / part) *
+         gpu::kReplicates * sizeof(gpu::FilmPixel);
+}
+
+} // namespace
+
+// Bands of a larger picture stay, empty.
+bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
+  bool moved = (shape_.groups > 0) != (shape.groups > 0); // kernels are bound to more, or to less
+  shape_ = shape;
+  const std::uint64_t most = most_pixels(shape, device_->info());
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
   std::uint64_t first = 0;
   std::uint32_t first_probe = 0;
@@ -131,18 +157,22 @@ bool FilmTarget::fit(const FilmShape& shape, bool capacity_for_aovs) {
     band.probe_count = shape.probes_above(rows) - first_probe;
     first_probe += band.probe_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
-    moved |= reserve(*device_, band.film, film_bytes(band, shape));
+    std::uint64_t film = film_bytes(band, shape);
+    if (shape.is_part() && &band == &bands_.front())
+      film = std::max(film, std::min(first_band_bytes(shape, device_->info()), noise_pilot_bytes(shape)));
+    moved |= reserve(*device_, band.film, film);
     moved |= reserve(*device_, band.aovs, shape.aovs || capacity_for_aovs ? aov_bytes(band) : 0);
     moved |= reserve(*device_, band.splats, shape.splats ? splat_bytes(band, shape) : 0);
     if (shape.groups > 0) moved |= reserve(*device_, band.groups, group_bytes(band, shape));
     moved |= reserve(*device_, band.cover, shape.cover ? cover_bytes(band) : 0);
   }
+  pilot_bytes_ = shape.is_part() ? first_band_bytes(shape, device_->info()) : bands_.front().film.bytes();
   return moved;
 }
 
 void FilmTarget::clear() {
   for (FilmBand& band : bands_) {
-    band.film.fill_zero(film_bytes(band, shape_));
+    band.film.fill_zero(shape_.is_part() ? band.film.bytes() : film_bytes(band, shape_)); // a pilot's film is larger
     if (band.aovs.bytes()) band.aovs.fill_zero(aov_bytes(band));
     if (shape_.splats) band.splats.fill_zero(splat_bytes(band, shape_));
     if (shape_.groups > 0) band.groups.fill_zero(group_bytes(band, shape_));

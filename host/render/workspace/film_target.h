@@ -45,11 +45,14 @@ public:
   const FilmShape& shape() const { return shape_; }
   std::uint64_t pixels() const { return shape_.pixels(); }
   std::uint64_t bytes() const;
+  // Limit of the film of a pilot, the same for a part of a picture and the whole.
+  std::uint64_t pilot_bytes() const { return pilot_bytes_; }
 
 private:
   Device* device_;
   FilmShape shape_;
   std::vector<FilmBand> bands_;
+  std::uint64_t pilot_bytes_ = 0;
 };
 
 // Copy of a film, which the host can read while the device continues.

@@ -44,6 +44,9 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPl
   set_camera(view, scene.origin, frame);
   frame.width = settings.width;
   frame.height = settings.height;
+  const FilmShape film = film_shape(settings);
+  frame.film_left = film.place.left, frame.film_top = film.place.top;
+  frame.film_width = film.width, frame.film_height = film.height;
   frame.max_depth = settings.max_depth;
   frame.seed = settings.seed;
   frame.environment_radiance = scene.environment_radiance;
@@ -68,7 +71,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderPl
   frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
   frame.quad_scale = static_cast<float>(settings.quad_scale);
   frame.reuses_paths = reuses_paths(settings) ? 1u : 0u;
-  frame.probes = film_shape(settings).probes();
+  frame.probes = film.probes();
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
   frame.end_normals = scene.end_normals;
@@ -94,18 +97,6 @@ std::uint64_t usual_slots(const DeviceInfo& info) {
 
 } // namespace
 
-FilmShape film_shape(const RenderPlan& settings) {
-  return {.width = settings.width,
-          .height = settings.height,
-          .aovs = records_aovs(settings),
-          .splats = settings.integrator->splats,
-          .has_probes = has_error_probes(settings),
-          .seed = settings.seed,
-          .quads = reuses_paths(settings),
-          .groups = records_groups(settings) ? static_cast<std::uint32_t>(settings.group_names.size()) : 0,
-          .cover = has_cover(settings)};
-}
-
 Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
                      std::shared_ptr<const DeviceScene> uploaded)
     : device(device_),
@@ -130,7 +121,9 @@ void Workspace::change(const View& view, const RenderPlan& settings) {
 
 bool Workspace::fit(const RenderPlan& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
-  const std::uint64_t entries = features & gpu::kFeatureAdaptive ? film.shape().entries() : 0;
+  std::uint64_t entries = features & gpu::kFeatureAdaptive ? film.shape().entries() : 0;
+  if (entries > 0 && film.shape().is_part()) // pilots show the whole picture
+    entries = std::max(entries, std::uint64_t{settings.width} * settings.height);
   moved |= reserve(device, entries_buffer_, entries * sizeof(std::uint32_t));
   if (film.shape().groups > 0) {
     moved |= reserve(device, groups_.paths, slots * group_bytes_per_slot(settings));
@@ -158,14 +151,9 @@ void Workspace::set_entries(std::vector<std::uint32_t> entries) {
 std::uint32_t Workspace::entry_at(std::uint32_t index) const { return entries_.empty() ? index : entries_[index]; }
 
 PixelReplicate Workspace::pixel_at(std::uint32_t index) const {
-  const FilmShape& shape = film.shape();
   const std::uint32_t entry = entry_at(index);
-  if (shape.has_probes && entry >= shape.pixels()) {
-    const auto block = entry - static_cast<std::uint32_t>(shape.pixels());
-    const glm::uvec2 at = gpu::probed_pixel(block, shape.width, shape.height, shape.seed, shape.probes());
-    return {gpu::tile_order_of(at, shape.width, shape.height), 1};
-  }
-  return {entry, 0};
+  const bool is_probe = film.shape().has_probes && entry >= film.shape().pixels();
+  return {in_picture(film.shape(), entry), is_probe ? 1u : 0u};
 }
 
 std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
@@ -225,7 +213,9 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
 }
 
 std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderPlan& settings) {
-  const std::uint64_t entries = film_shape(settings).entries();
+  RenderPlan whole = settings; // which pilots show
+  whole.crop.reset();
+  const std::uint64_t entries = film_shape(whole).entries();
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
   std::uint64_t slots = usual_slots(info);

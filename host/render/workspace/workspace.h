@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/render/settings/crop.h"
 #include "host/render/settings/render_plan.h"
 #include "host/render/workspace/device_scene.h"
 #include "host/render/workspace/film_target.h"
@@ -71,9 +72,6 @@ std::vector<Binding> workspace_layout();
 
 // One binding set for each band of the film: the workspace's bindings and `own`.
 std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own);
-
-// Shape of the film of a render.
-FilmShape film_shape(const RenderPlan& settings);
 
 // Number of paths in flight: as many as the render has, within 1/8 of the device's memory, one storage buffer and the
 // limit of a dispatch. A CPU gains nothing once its caches are full; a GPU needs millions to hide latency. `features`:
