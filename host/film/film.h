@@ -73,7 +73,7 @@ struct Film {
   std::vector<gpu::FilmPixel> groups;
   std::vector<gpu::SplatPixel> group_splats; // of all replicates, `group_count` for each pixel; empty without splats
   std::uint32_t group_count = 0;
-  std::vector<gpu::FilmCover> cover;   // empty without; probes have their own
+  std::vector<gpu::FilmCover> cover; // empty without; probes have their own
   // Number of light paths of each replicate: one for each sample of all pixels. Each may have added light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
   bool has_probes = false;
@@ -86,8 +86,7 @@ struct Film {
   std::vector<gpu::FilmPixel> beside{};
 
   FilmShape shape() const {
-    return {width,          height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count,
-            !cover.empty(), place};
+    return {width, height, !aovs.empty(), !splats.empty(), has_probes, seed, quads, group_count, !cover.empty(), place};
   }
   bool operator==(const Film& other) const; // bit by bit
 };

@@ -22,9 +22,9 @@ GPU_CONSTANT uint kBindPathCover = 101u; // storage PathCover[], one a slot
 GPU_CONSTANT uint kCoverTransparent = 1u; // what escapes straight counts as transparent, not as light
 
 // Bits of PathCover::state.
-GPU_CONSTANT uint kPathStraight = 1u; // the path has gone straight through all that it met
-GPU_CONSTANT uint kPathCaught = 2u;   // its first hit is the shadow catcher
-GPU_CONSTANT uint kPathLooked = 4u;   // `unblocked` counts the environment in the direction of its second ray
+GPU_CONSTANT uint kPathStraight = 1u;    // the path has gone straight through all that it met
+GPU_CONSTANT uint kPathCaught = 2u;      // its first hit is the shadow catcher
+GPU_CONSTANT uint kPathLooked = 4u;      // `unblocked` counts the environment in the direction of its second ray
 GPU_CONSTANT uint kPathFromCatcher = 8u; // it was last scattered there; panes that it passed straight do not count
 
 // One path. Light as luminance, of the first hit.

@@ -130,8 +130,8 @@ void RenderLoop::take_in_first() {
     result_.checkpoints.push_back(point);
     if (hooks_.checkpoint && film_) { // comparing with a reference is not rendering
       pause_clock();
-      hooks_.checkpoint(
-          point, develop(*of_picture(film_), settings_.aovs, workspace_.scene.origin, settings_.group_names));
+      hooks_.checkpoint(point,
+                        develop(*of_picture(film_), settings_.aovs, workspace_.scene.origin, settings_.group_names));
       resume_clock();
     }
   }

@@ -30,8 +30,8 @@ gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kFeatureAovsThrough | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
-                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel |
-                   gpu::kFeatureSoftLamps | gpu::kFeatureLightGroups | gpu::kFeatureCover));
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
+                   gpu::kFeatureLightGroups | gpu::kFeatureCover));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -41,8 +41,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAovsThrough | gpu::kFeatureAdaptive |
-                                      gpu::kFeatureSharedFirstHit | gpu::kFeatureLightCells |
-                                      gpu::kFeatureLearnedSky | gpu::kFeatureGuide | gpu::kFeatureLightGroups;
+                                      gpu::kFeatureSharedFirstHit | gpu::kFeatureLightCells | gpu::kFeatureLearnedSky |
+                                      gpu::kFeatureGuide | gpu::kFeatureLightGroups;
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightCells;
