@@ -93,9 +93,12 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   float density = light.pdf; // density of all light samples together
   if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
-  bool is_lamp = COVERS && wave.bounce == 0u && is_soft_lamp(light.light), is_caught_lamp = false;
-  if (is_lamp) is_caught_lamp = is_caught(slot);
-  if (is_caught_lamp) weight = 1.0; // no ray from there meets it
+  bool is_lamp = false, is_caught_lamp = false;
+  if (COVERS && wave.bounce == 0u) {
+    is_lamp = is_soft_lamp(light.light);
+    is_caught_lamp = is_lamp && is_caught(slot);
+    if (is_caught_lamp) weight = 1.0; // no ray from there meets it
+  }
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
   float distance_ = light.distant ? kFarAway : length(light.target - v.surface.position);
   ray.contribution *= transmittance_towards(v, light.direction, distance_, slot);
