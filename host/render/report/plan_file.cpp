@@ -10,9 +10,13 @@
 #include "host/render/report/state_file.h"
 
 namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+} // namespace
 
 PlanRecord read_plan(const std::string& path) try {
-  using Json = nlohmann::ordered_json;
   if (path.ends_with(".exr")) {
     const std::string text = read_attribute(path, "wavepath.plan");
     if (text.empty())
