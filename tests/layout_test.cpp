@@ -279,10 +279,10 @@ TEST(Layout, Bidirectional) {
   compare("LightVertex", sizeof(LightVertex),
           {AT(LightVertex, direction), AT(LightVertex, bounce), AT(LightVertex, light), AT(LightVertex, connect),
            AT(LightVertex, triangle), AT(LightVertex, instance), AT(LightVertex, b1), AT(LightVertex, b2),
-           AT(LightVertex, others), AT(LightVertex, outside)});
+           AT(LightVertex, others), AT(LightVertex, outside), AT(LightVertex, group)});
   compare("Connection", sizeof(Connection),
           {AT(Connection, origin), AT(Connection, slot), AT(Connection, direction), AT(Connection, triangle),
-           AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel)});
+           AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel), AT(Connection, group)});
   compare("ConnectionQueue", sizeof(ConnectionQueue), {AT(ConnectionQueue, count), AT(ConnectionQueue, groups)});
   compare("PhotonFrame", sizeof(PhotonFrame),
           {AT(PhotonFrame, path_count), AT(PhotonFrame, cell_count), AT(PhotonFrame, radius), AT(PhotonFrame, density),

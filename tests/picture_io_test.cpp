@@ -211,6 +211,7 @@ TEST_F(PictureIoTest, PngHoldsExposedSrgb) {
   Picture picture = random_picture(3, 2, {"R", "G", "B", "A"});
   for (Channel& channel : picture.channels)
     for (float& value : channel.values) value = std::min(value, 1.0f) * 0.25f;
+  std::ranges::fill(picture.channels[3].values, 1.0f); // opaque
   write_picture(folder_.file("a.png"), picture, {}, {false, 2.0, Tonemap::none});
   const Picture back = read_picture(folder_.file("a.png"));
   ASSERT_EQ(back.width, 3u);

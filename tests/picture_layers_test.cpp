@@ -235,6 +235,7 @@ TEST_F(PictureLayers, PngHoldsSixteenBits) {
   picture.channels.resize(4); // else the filtered ones are shown
   for (std::size_t i = 0; i < picture.channels[0].values.size(); ++i)
     picture.channels[0].values[i] = static_cast<float>(i) / 776.0f;
+  std::ranges::fill(picture.channels[3].values, 1.0f); // opaque
   const std::string path = folder_.file("deep.png");
   write_picture(path, picture, {}, {.tonemap = Tonemap::none, .bits = 16});
   const auto input = OIIO::ImageInput::open(path);

@@ -170,6 +170,7 @@ RenderSettings base_for(const Setting& row) {
     while (!has_effect() && settings.*technique + 1 < count) ++(settings.*technique);
     if (!has_effect()) settings.*technique = 0;
   };
+  if (row.name == "aov-through") settings.aovs = {"albedo"};
   turn_to(&RenderSettings::shadows, kShadowTechniques.names().size());
   turn_to(&RenderSettings::shading, kShadingModels.names().size());
   turn_to(&RenderSettings::occlusion, kOcclusionTechniques.names().size());

@@ -273,13 +273,13 @@ TEST_F(SoftLamps, ClampDimsSamplesAndCountsTheLight) {
 TEST_F(SoftLamps, ClampedPartsJoinToTheWhole) {
   const Scene scene = corner_with({LightKind::point}, 0.05);
   RenderPlan whole = path_settings(16, 3), first = whole, second = whole;
-  whole.clamp = first.clamp = second.clamp = 0.4;
+  whole.clamp = first.clamp = second.clamp = 0.1;
   whole.adaptive = first.adaptive = second.adaptive = kAdaptiveOff;
   first.last_sample = second.first_sample = 6;
   first.sample_total = second.sample_total = 16;
   const Subject subject(scene, whole);
   const RenderResult expected = render(subject, whole);
-  EXPECT_GT(clamped_fraction(*expected.film, 0.4), 0.01);
+  EXPECT_GT(clamped_fraction(*expected.film, 0.1), 0.01);
   Film joined = *render(subject, first).film;
   join(joined, *render(subject, second).film);
   EXPECT_TRUE(joined == *expected.film);
