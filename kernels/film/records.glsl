@@ -12,7 +12,8 @@ FilmPixel fetch_film_pixel(uint index) {
   int texel = int(4u * index);
   uvec4 counts = texelFetch(film_texels, texel + 3);
   return FilmPixel(exact_sum(texelFetch(film_texels, texel)), exact_sum(texelFetch(film_texels, texel + 1)),
-                   exact_sum(texelFetch(film_texels, texel + 2)), counts.x, counts.y, uintBitsToFloat(counts.z), counts.w);
+                   exact_sum(texelFetch(film_texels, texel + 2)), counts.x, counts.y, uintBitsToFloat(counts.z),
+                   counts.w);
 }
 void store_film_pixel(uint index, FilmPixel pixel) {
   film_words[4u * index] = words_of(pixel.red);
