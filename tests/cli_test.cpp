@@ -1,5 +1,6 @@
 // The command line without rendering: help, mistakes, exit codes, info and compare. Needs no Vulkan device.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
