@@ -184,7 +184,8 @@ PunctualLight far_lamp() {
 class CatcherTest : public ShadowTest {
 protected:
   // Puts renders with a catcher over the floor without objects, and compares them with renders of everything.
-  void expect_composite(const std::function<void(Scene&)>& light, const std::function<void(Scene&)>& more = {}) {
+  void expect_composite(const std::function<void(Scene&)>& light, const std::function<void(Scene&)>& more = {},
+                        std::uint32_t direct = gpu::kDirectMis) {
     Scene floor = stage(false), whole = stage(true);
     light(floor), light(whole);
     if (more) more(whole);
@@ -192,6 +193,7 @@ protected:
     add_catcher(caught, "floor");
     RenderPlan settings = path_settings(24, 18, 64);
     settings.max_depth = 4;
+    settings.direct = direct;
     RenderPlan catching = settings;
     catching.catches = catching.transparent = true;
     RenderPlan photographing = settings;
@@ -230,6 +232,18 @@ TEST_F(CatcherTest, ALampAndAnEnvironmentMap) {
     scene.environment.map.assign(32, glm::vec3(0.2f));
     scene.environment.map[11] = glm::vec3(6.0f);
   });
+}
+
+// The photograph has the light of a soft lamp, whichever way it would come to the floor.
+TEST_F(CatcherTest, SoftLamps) {
+  for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee})
+    expect_composite(
+        [](Scene& scene) {
+          scene.lights = {far_lamp(), sun()};
+          scene.lights[0].extent = 1.5;
+          scene.lights[1].extent = 0.05;
+        },
+        {}, direct);
 }
 
 // What glows is an object: its light on the floor is in the picture.
@@ -292,31 +306,46 @@ TEST_F(CoverTest, TheShadowPassIsTheShareOfLightThatArrives) {
   EXPECT_GT(bright, 500u);
 }
 
-// Of a lamp that is a surface the ratio is that of pictures with and without what blocks it.
-TEST_F(CoverTest, TheShadowPassKnowsSurfacesThatGlow) {
-  Scene scene = lit_by_square(0.6f), open = scene;
-  open.instances.erase(open.instances.begin() + 1, open.instances.begin() + 3); // the boxes
-  RenderPlan settings = path_settings(32, 24, 1024);
-  settings.max_depth = 1;
-  settings.filter = gpu::kFilterBox;
-  settings.aovs = {"shadow", "position"};
-  const Picture picture = render(scene, settings).picture;
-  settings.aovs = {"direct"};
-  const Picture lit = render(scene, settings).picture, unblocked = render(open, settings).picture;
-  std::size_t judged = 0, partly = 0;
-  double difference = 0.0;
-  for (std::size_t i = 0; i < channel(picture, "shadow").size(); ++i) {
-    const bool on_floor = std::abs(channel(picture, "P.Y")[i]) < 1e-6f && channel(unblocked, "direct.G")[i] > 0.01f;
-    if (!on_floor) continue;
-    const double expected = channel(lit, "direct.G")[i] / channel(unblocked, "direct.G")[i];
-    EXPECT_NEAR(channel(picture, "shadow")[i], expected, 0.08) << i;
-    difference += channel(picture, "shadow")[i] - expected;
-    ++judged;
-    partly += expected > 0.1 && expected < 0.9;
+// Where light does not come from a point the ratio is that of pictures with and without what blocks it.
+class ShadowPass : public CoverTest {
+protected:
+  void expect_ratio(const Scene& scene, std::uint32_t direct = gpu::kDirectMis) {
+    Scene open = scene;
+    open.instances.erase(open.instances.begin() + 1, open.instances.begin() + 3); // the boxes
+    RenderPlan settings = path_settings(32, 24, 1024);
+    settings.max_depth = 1;
+    settings.direct = direct;
+    settings.filter = gpu::kFilterBox;
+    settings.aovs = {"shadow", "position"};
+    const Picture picture = render(scene, settings).picture;
+    settings.aovs = {"direct"};
+    const Picture lit = render(scene, settings).picture, unblocked = render(open, settings).picture;
+    std::size_t judged = 0, partly = 0;
+    double difference = 0.0;
+    for (std::size_t i = 0; i < channel(picture, "shadow").size(); ++i) {
+      const bool on_floor = std::abs(channel(picture, "P.Y")[i]) < 1e-6f && channel(unblocked, "direct.G")[i] > 0.01f;
+      if (!on_floor) continue;
+      const double expected = channel(lit, "direct.G")[i] / channel(unblocked, "direct.G")[i];
+      EXPECT_NEAR(channel(picture, "shadow")[i], expected, 0.08) << i;
+      difference += channel(picture, "shadow")[i] - expected;
+      ++judged;
+      partly += expected > 0.1 && expected < 0.9;
+    }
+    EXPECT_GT(judged, 300u);
+    EXPECT_GT(partly, 20u);
+    EXPECT_LT(std::abs(difference) / static_cast<double>(judged), 0.004);
   }
-  EXPECT_GT(judged, 300u);
-  EXPECT_GT(partly, 20u);
-  EXPECT_LT(std::abs(difference) / static_cast<double>(judged), 0.004);
+};
+
+TEST_F(ShadowPass, KnowsSurfacesThatGlow) { expect_ratio(lit_by_square(0.6f)); }
+
+TEST_F(ShadowPass, KnowsSoftLamps) {
+  Scene scene = lit_by(sun());
+  scene.lights[0].extent = glm::radians(10.0);
+  for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee}) expect_ratio(scene, direct);
+  scene = lit_by(lamp());
+  scene.lights[0].extent = 0.4;
+  expect_ratio(scene);
 }
 
 // ---- sums -----------------------------------------------------------------------------------------------------------

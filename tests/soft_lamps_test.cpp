@@ -1,11 +1,23 @@
 // Punctual lights with an extent: light and penumbrae against closed forms, from nothing to as large as the scene, and
 // the same light by every estimator and from both ends of paths. Also the clamp of samples.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
+#include "host/film/exact_sum.h"
+#include "host/film/film.h"
+#include "host/integrators/hybrid/kind.h"
 #include "host/integrators/whitted/kind.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/lost_light.h"
+#include "host/scene/pack/light_groups.h"
 #include "tests/bidirectional_scene.h"
+#include "tests/run_wavepath.h"
+#include "tests/temporary_folder.h"
 
 namespace wavepath::test {
 namespace {
@@ -143,8 +155,8 @@ TEST_F(SoftLamps, PenumbraIsThatOfTheClosedForm) {
       if (is_lamp) scene.lights[0].intensity = glm::vec3(1e6f);
       for (const std::uint32_t direct : kEstimators)
         EXPECT_NEAR(irradiance(scene, square(1024, direct)), expected, 3e-3) << at << (is_lamp ? " lamp" : " sun");
-      EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis, kBidirectional)), expected, 6e-3)
-          << at << " bidirectional";
+      for (const IntegratorKind* kind : {&kBidirectional, &kHybrid})
+        EXPECT_NEAR(irradiance(scene, square(1024, gpu::kDirectMis, *kind)), expected, 6e-3) << at << kind->name;
     }
   }
 }
@@ -236,6 +248,14 @@ TEST_F(SoftLamps, OtherSamplingFindsTheSame) {
   expect_same_mean(average(Subject(scene, samples), samples), expected);
 }
 
+// A rasterizer finds what is seen, rays the light of it.
+TEST_F(SoftLamps, HybridShowsThePenumbraeOfPath) {
+  const Scene scene = corner_with({LightKind::point, LightKind::spot, LightKind::directional}, 0.3);
+  RenderPlan path = path_settings(256, 2), hybrid = path;
+  hybrid.integrator = &kHybrid;
+  expect_same_mean(average(Subject(scene, hybrid), hybrid), average(Subject(scene, path), path));
+}
+
 TEST_F(SoftLamps, WhittedRefuses) {
   Scene soft = corner_with({LightKind::point}, 0.3), hard = corner_with({LightKind::point}, 0.0);
   RenderPlan plan = path_settings(1, 1);
@@ -284,6 +304,124 @@ TEST_F(SoftLamps, ClampedPartsJoinToTheWhole) {
   join(joined, *render(subject, second).film);
   EXPECT_TRUE(joined == *expected.film);
   expect_same_film_however_cut(subject, whole, *expected.film);
+}
+
+// A whole sample is dimmed, so each group of it by the same factor: their sums are those of the picture, digit by
+// digit.
+TEST_F(SoftLamps, ClampedGroupsAddUpToThePicture) {
+  const Scene scene = corner_with({LightKind::point, LightKind::directional, LightKind::point}, 0.05);
+  for (const std::uint32_t probes_from : {1u << 15, 1u}) {
+    RenderPlan plain = path_settings(16, 3);
+    plain.clamp = 0.4;
+    plain.adaptive = kAdaptiveOff;
+    plain.reuse = kReuseOff;
+    plain.probes_from = probes_from;
+    RenderPlan grouped = plain;
+    grouped.light_groups = {"each"};
+    grouped.group_names = find_group_names(scene, grouped.light_groups);
+    Subject subject(scene, grouped);
+    subject.packed = pack(scene, {.direct = grouped.direct, .light_groups = grouped.light_groups});
+    const RenderResult result = render(subject, grouped), expected = render(Subject(scene, plain), plain);
+    const Film& film = *result.film;
+    ASSERT_GE(film.group_count, 3u);
+    ASSERT_EQ(film.has_probes, probes_from == 1u);
+    const std::size_t replicates = film.has_probes ? 1 : gpu::kReplicates;
+    const auto add_up = [](gpu::ExactSum& sum, std::uint32_t& top, const gpu::FilmPixel& pixel) {
+      add(sum, top, pixel.green, pixel.tops >> 8 & 0xffu);
+    };
+    for (std::size_t entry = 0; entry < film.shape().entries(); ++entry) {
+      gpu::ExactSum picture{}, groups{};
+      std::uint32_t picture_top = 0, groups_top = 0;
+      for (std::size_t r = 0; r < replicates; ++r) add_up(picture, picture_top, film.pixels[replicates * entry + r]);
+      for (std::uint32_t g = 0; g < film.group_count; ++g)
+        add_up(groups, groups_top, film.groups[entry * film.group_count + g]);
+      ASSERT_EQ(groups_top, picture_top);
+      ASSERT_EQ(digit_sum(groups.high), digit_sum(picture.high)) << entry;
+      ASSERT_EQ(digit_sum(groups.low), digit_sum(picture.low)) << entry;
+    }
+    for (std::size_t i = 0; i < expected.picture.channels[1].values.size(); ++i)
+      ASSERT_NEAR(result.picture.channels[1].values[i], expected.picture.channels[1].values[i], 1e-6f);
+    EXPECT_GT(clamped_fraction(film, 0.4), 0.01);
+    EXPECT_NEAR(clamped_fraction(film, 0.4), clamped_fraction(*expected.film, 0.4), 1e-6);
+  }
+}
+
+// ---- the program ----------------------------------------------------------------------------------------------------
+
+using Json = nlohmann::json;
+
+class SoftLampProgram : public ProgramTest {
+protected:
+  Outcome run(std::vector<std::string> words) const {
+    words.insert(words.begin(), WAVEPATH_BINARY);
+    return run_program(words);
+  }
+  Outcome render(const std::string& output, const std::vector<std::string>& more) const {
+    std::vector<std::string> words{
+        "render",         kScene, "--sun",   "60,40", "--sun-angle", "5",     "--lamp-radius", "0.05",
+        "--integrator",   "path", "--clamp", "0.3",   "--size",      "48x32", "--max-depth",   "3",
+        "--light-groups", "each", "--spp",   "12",    "-q",          "-o",    output};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  void expect_same_bits(const std::string& a, const std::string& b) const {
+    const Picture first = read_picture(a), second = read_picture(b);
+    ASSERT_EQ(first.channels.size(), second.channels.size());
+    for (const Channel& channel : first.channels)
+      EXPECT_EQ(channel.values, find_channel(second, channel.name)->values) << channel.name;
+    EXPECT_EQ(read_attribute(a, "wavepath.bias"), read_attribute(b, "wavepath.bias"));
+  }
+
+  static constexpr const char* kScene = WAVEPATH_SOURCE_DIR "/scenes/analytic/point_light.gltf";
+  TemporaryFolder folder_;
+};
+
+// The clamp's share in `bias` is that of all samples, too.
+TEST_F(SoftLampProgram, PartsStatesAndDevicesGiveTheBitsOfTheWhole) {
+  const std::string whole = folder_.file("whole.exr"), first = folder_.file("a.exr"), second = folder_.file("b.exr"),
+                    again = folder_.file("again.exr"), state = folder_.file("state");
+  const Outcome outcome = render(whole, {"--mergeable"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string bias = read_attribute(whole, "wavepath.bias");
+  EXPECT_NE(bias.find("(--clamp), which took "), std::string::npos) << bias;
+  EXPECT_NE(bias.find("under 5 degrees (--sun-angle)"), std::string::npos) << bias;
+  EXPECT_NE(bias.find("of radius 0.05 m (--lamp-radius)"), std::string::npos) << bias;
+
+  ASSERT_EQ(render(first, {"--samples", "0:1"}).exit_code, 0);
+  ASSERT_EQ(render(second, {"--samples", "1:12"}).exit_code, 0);
+  EXPECT_NE(read_attribute(first, "wavepath.bias"), bias) << "a part that tells the share of the whole by chance";
+  const Outcome merged = run({"merge", first, second, "-q", "-o", again});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  expect_same_bits(again, whole);
+
+  ASSERT_EQ(render(first, {"--mergeable", "--spp", "4", "--checkpoint", state}).exit_code, 0);
+  ASSERT_EQ(render(again, {"--mergeable", "--checkpoint", state, "--resume"}).exit_code, 0);
+  expect_same_bits(again, whole);
+  const Outcome shared = render(again, {"--mergeable", "--devices", "0,0"});
+  ASSERT_EQ(shared.exit_code, 0) << shared.err;
+  expect_same_bits(again, whole);
+
+  const Outcome other = render(second, {"--samples", "1:12", "--sun-angle", "6"});
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  ASSERT_EQ(render(first, {"--samples", "0:1"}).exit_code, 0);
+  EXPECT_EQ(run({"merge", first, second, "-q", "-o", folder_.file("no.exr")}).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("no.exr")));
+}
+
+TEST_F(SoftLampProgram, InfoAndStatsTellTheExtents) {
+  const Outcome told = run({"info", kScene, "--sun", "60,40", "--sun-angle", "5", "--json"});
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Json soft = Json::parse(told.out)["lights"]["soft"];
+  EXPECT_NEAR(soft["sun_angle"].get<double>(), 5.0, 1e-5);
+  EXPECT_TRUE(soft["lamp_radius"].is_null());
+  EXPECT_NE(run({"info", kScene, "--sun", "60,40", "--sun-angle", "5"}).out.find("directional lights 5 degrees across"),
+            std::string::npos);
+  EXPECT_TRUE(Json::parse(run({"info", kScene, "--json"}).out)["lights"]["soft"].is_null());
+  const std::string stats = folder_.file("stats.json");
+  ASSERT_EQ(render(folder_.file("a.exr"), {"--stats", stats}).exit_code, 0);
+  const Json extents = Json::parse(std::ifstream(stats))["soft_lamps"];
+  EXPECT_NEAR(extents["sun_angle"].get<double>(), 5.0, 1e-5);
+  EXPECT_NEAR(extents["lamp_radius"].get<double>(), 0.05, 1e-8);
 }
 
 } // namespace

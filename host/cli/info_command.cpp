@@ -19,6 +19,7 @@
 #include "host/plan/plan.h"
 #include "host/plan/record.h"
 #include "host/render/report/camera_json.h"
+#include "host/render/report/lamp_extents.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
@@ -221,6 +222,16 @@ void print_cameras(const Json& about, const RenderPlan& settings) {
   print_view(about["camera"]);
 }
 
+std::string soft_text(const Json& soft) {
+  std::vector<std::string> extents;
+  if (soft.is_null()) return {};
+  if (const Json& degrees = soft["sun_angle"]; !degrees.is_null())
+    extents.push_back(fmt::format("directional lights {:.4g} degrees across", degrees.get<double>()));
+  if (const Json& metres = soft["lamp_radius"]; !metres.is_null())
+    extents.push_back(fmt::format("point and spot lights of radius {:.4g} m", metres.get<double>()));
+  return fmt::format("{}", fmt::join(extents, ", "));
+}
+
 void print_scene(const Json& about, const std::vector<std::string>& extensions, const RenderPlan& settings) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
@@ -235,6 +246,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions, 
   print_out("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
             number(lights["emissive_triangles"]),
             lights["environment"].get<bool>() ? "an environment" : "no environment");
+  if (const std::string soft = soft_text(lights["soft"]); !soft.empty()) print_out("  soft        {}\n", soft);
   if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
@@ -301,6 +313,7 @@ int run_scene(InfoCommandRequest& request) {
   settings.moving = packed.moves();
   Json about = describe(request.scene.path, scene, planned, packed);
   about["lights"]["by_rule"] = loaded.light;
+  about["lights"]["soft"] = lamp_extents_json(packed);
   const Json views = describe_views(scene, loaded.framing, request.scene.view, settings);
   for (std::size_t i = 0; i < views.size(); ++i) about["cameras"][i]["view"] = views[i];
   about["camera"] = camera_json(view, settings.width, settings.height);

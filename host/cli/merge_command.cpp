@@ -300,6 +300,7 @@ int run_merge(MergeCommandRequest& request) {
   info.samples = join_ranges(ranges);
   info.film = film;
   read_common(first, info);
+  info.bias = with_clamp_share(info.bias, *film); // that of the part counts its own samples
 
   Attempts attempts;
   write_pictures(request.output, info, picture, warnings, attempts);

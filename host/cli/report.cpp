@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -14,6 +16,8 @@
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
 #include "host/film/error.h"
+#include "host/film/film.h"
+#include "host/render/report/lamp_extents.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
@@ -94,21 +98,24 @@ std::string percent_text(double fraction, double error) {
 
 // The change of the scene that --sun-angle and --lamp-radius make; empty = none.
 std::string soft_lamps_text(const PackedScene& scene) {
-  const auto find = [&](auto is_kind) -> const gpu::Light* {
-    const auto found =
-        std::ranges::find_if(scene.lights, [&](const gpu::Light& l) { return is_kind(l) && l.pdf_area > 0.0f; });
-    return found == scene.lights.end() ? nullptr : &*found;
-  };
+  const LampExtents extents = lamp_extents(scene);
   std::vector<std::string> changes;
-  if (const gpu::Light* sun = find([](const gpu::Light& l) { return l.kind == gpu::kLightDirectional; }))
-    changes.push_back(fmt::format("directional lights are seen under {:.3g} degrees (--sun-angle)",
-                                  glm::degrees(4.0 * std::asin(std::sqrt(0.5 * double{sun->pdf_area})))));
-  if (const gpu::Light* lamp =
-          find([](const gpu::Light& l) { return l.kind == gpu::kLightPoint || l.kind == gpu::kLightSpot; }))
+  if (extents.sun_degrees > 0.0)
     changes.push_back(
-        fmt::format("point and spot lights are spheres of radius {:.3g} m (--lamp-radius)", lamp->pdf_area));
+        fmt::format("directional lights are seen under {:.3g} degrees (--sun-angle)", extents.sun_degrees));
+  if (extents.radius > 0.0)
+    changes.push_back(
+        fmt::format("point and spot lights are spheres of radius {:.3g} m (--lamp-radius)", extents.radius));
   if (changes.empty()) return {};
   return fmt::format("the scene is changed, with the light that its lamps have: {}", fmt::join(changes, ", "));
+}
+
+constexpr const char* kClampText = "samples are dimmed to a radiance of ";
+
+std::string clamp_text(double radiance) { return fmt::format("{}{:g} (--clamp)", kClampText, radiance); }
+
+std::string clamp_share_text(double radiance, const Film& film) {
+  return fmt::format(", which took {:.2g} % of the light", 100.0 * clamped_fraction(film, radiance));
 }
 
 } // namespace
@@ -145,10 +152,9 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");
   if (const std::string soft = soft_lamps_text(scene); !soft.empty()) bias.push_back(soft);
   if (settings.clamp > 0.0 && result.film)
-    bias.push_back(fmt::format("samples are dimmed to a radiance of {:g} (--clamp), which took {:.2g} % of the light",
-                               settings.clamp, 100.0 * clamped_fraction(*result.film, settings.clamp)));
+    bias.push_back(clamp_text(settings.clamp) + clamp_share_text(settings.clamp, *result.film));
   else if (settings.clamp > 0.0)
-    bias.push_back(fmt::format("samples are dimmed to a radiance of {:g} (--clamp)", settings.clamp));
+    bias.push_back(clamp_text(settings.clamp));
   if (settings.moving && supports(*settings.integrator, "shutter"))
     bias.emplace_back(
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
@@ -173,6 +179,14 @@ std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene
   if (result.nonfinite.first)
     bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));
   return bias;
+}
+
+std::string with_clamp_share(const std::string& bias, const Film& film) {
+  const std::size_t at = bias.find(kClampText);
+  if (at == std::string::npos) return bias;
+  const double radiance = std::strtod(bias.c_str() + at + std::strlen(kClampText), nullptr);
+  const std::size_t end = std::min(bias.find(';', at), bias.size());
+  return bias.substr(0, at) + clamp_text(radiance) + clamp_share_text(radiance, film) + bias.substr(end);
 }
 
 std::string describe_first(const Nonfinite& nonfinite, const RenderPlan& settings) {

@@ -25,6 +25,9 @@ struct MissingLight {
 std::vector<std::string> list_bias(const RenderPlan& settings, const PackedScene& scene, const RenderResult& result,
                                    const MissingLight& missing = {});
 
+// `bias`, joined by "; ", with the share of the light that --clamp took from the samples of this film.
+std::string with_clamp_share(const std::string& bias, const Film& film);
+
 // The first sample that was not finite and how to replay it. There must be one.
 std::string describe_first(const Nonfinite& nonfinite, const RenderPlan& settings);
 

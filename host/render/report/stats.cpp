@@ -13,6 +13,7 @@
 #include "host/plan/bvh_quality.h"
 #include "host/plan/record.h"
 #include "host/render/report/diagnosis.h"
+#include "host/render/report/lamp_extents.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/workspace/kernel_compiler.h"
@@ -313,6 +314,7 @@ Json stats_document(const Run& run) {
       {"cut",
        {{"triangles", run.packed.cut.triangles}, {"pieces", run.packed.cut.pieces}, {"coarse", run.packed.cut.coarse}}},
       {"lights", run.packed.lights.size()},
+      {"soft_lamps", lamp_extents_json(run.packed)},
       {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},
       {"bvh", bvh_json(run.packed)},
