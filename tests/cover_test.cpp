@@ -14,7 +14,9 @@
 #include "host/picture/files/picture_io.h"
 #include "host/picture/tonemap.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/scene/gltf/motion.h"
 #include "host/scene/staging/catcher.h"
+#include "host/scene/staging/ground.h"
 #include "tests/mean_picture.h"
 #include "tests/shadow_scene.h"
 #include "tests/temporary_folder.h"
@@ -276,6 +278,23 @@ TEST(Catcher, GivesOnlyItsNodeOtherMaterials) {
   EXPECT_EQ(by_index.instances[1].mesh, meshes);
   EXPECT_THROW(add_catcher(scene, "wall"), Error);
   EXPECT_THROW(add_catcher(scene, "7"), Error);
+}
+
+// With --shutter the floor of --ground stands in the scene before the file is posed for the end of the shutter.
+TEST(Catcher, TheGroundStaysWhileTheFileMoves) {
+  Scene scene = stage(true);
+  scene.instances.pop_back(); // which has no node
+  Scene end = scene;
+  end.instances[1].world_from_object[3].x = 0.25;
+  Bounds bounds;
+  bounds.add(glm::dvec3(-1.0)), bounds.add(glm::dvec3(1.0));
+  add_ground(scene, bounds);
+  catch_ground(scene);
+  ASSERT_NO_THROW(gltf::add_motion(scene, end));
+  EXPECT_TRUE(scene.meshes[scene.instances[1].mesh].moves());
+  EXPECT_FALSE(scene.meshes[scene.instances[2].mesh].moves());
+  end.instances.pop_back();
+  EXPECT_THROW(gltf::add_motion(scene, end), Error);
 }
 
 // ---- passes ---------------------------------------------------------------------------------------------------------

@@ -12,6 +12,13 @@ namespace {
               "choose another --shutter, or leave it out");
 }
 
+// What was added to the file, such as a floor, comes last, has no node and stays where it is.
+std::size_t instances_of_file(const Scene& scene) {
+  std::size_t count = scene.instances.size();
+  while (count > 0 && scene.instances[count - 1].node == kNoIndex) --count;
+  return count;
+}
+
 bool moves(const Mesh& mesh, const glm::dmat4& transform, const Mesh& end, const glm::dmat4& end_transform) {
   return transform != end_transform || mesh.positions != end.positions || mesh.normals != end.normals;
 }
@@ -40,10 +47,11 @@ void set_motion(Mesh& mesh, const Mesh& end, const glm::dmat4& object_from_end) 
 } // namespace
 
 void add_motion(Scene& scene, const Scene& end) {
-  if (scene.instances.size() != end.instances.size()) refuse(scene);
+  const std::size_t count = instances_of_file(scene);
+  if (count != end.instances.size()) refuse(scene);
   std::vector<std::uint32_t> uses(scene.meshes.size());
   for (const Instance& instance : scene.instances) ++uses[instance.mesh];
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     Instance& instance = scene.instances[i];
     const glm::dmat4& end_transform = end.instances[i].world_from_object;
     const Mesh& end_mesh = end.meshes[end.instances[i].mesh];
