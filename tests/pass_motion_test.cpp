@@ -249,6 +249,75 @@ TEST_P(PassMotionOf, WarpsAFrameOntoTheNextOne) {
   }
 }
 
+// A camera by the formulas of a textbook, in the picture's pixels.
+struct Pinhole {
+  glm::dvec3 eye, target;
+  double scale; // pixels at a distance of 1
+  glm::dvec2 middle;
+
+  glm::dvec2 project(const glm::dvec3& point) const {
+    const glm::dvec3 ahead = glm::normalize(target - eye), right = glm::normalize(glm::cross(ahead, {0, 1, 0})),
+                     up = glm::cross(right, ahead), d = point - eye;
+    return middle + scale / glm::dot(d, ahead) * glm::dvec2(glm::dot(d, right), -glm::dot(d, up));
+  }
+};
+
+// Where both cameras show `position0`, which the first of them shows at the pixel's centre.
+TEST_F(PassMotion, IsTheDifferenceOfTwoProjections) {
+  constexpr int kWidth = 96, kHeight = 64;
+  const Outcome outcome = run(fmt::format(
+      "render {} --size {}x{} --spp 1 --max-depth 0 -q --aov motion,motion_back,position0,node -o m.exr --yfov 50 "
+      "--eye 0,0.5,2.5 --look-at 0,0,0 --camera-to 0.4,0.2,2.2,0.1,0,-0.2 --camera-from -0.3,0.9,3.0,0,0.1,0.2",
+      scene_, kWidth, kHeight));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Picture picture = read("m.exr");
+  const Field there(picture, "motion"), back(picture, "motionBack");
+  const double scale = 0.5 * kHeight / std::tan(glm::radians(25.0));
+  const glm::dvec2 middle(0.5 * kWidth, 0.5 * kHeight);
+  const Pinhole here{{0, 0.5, 2.5}, {0, 0, 0}, scale, middle}, next{{0.4, 0.2, 2.2}, {0.1, 0, -0.2}, scale, middle},
+      previous{{-0.3, 0.9, 3.0}, {0, 0.1, 0.2}, scale, middle};
+  const auto &x = channel(picture, "P0.X"), &y = channel(picture, "P0.Y"), &z = channel(picture, "P0.Z");
+  int seen = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (channel(picture, "id.node")[i] < 0.0f) continue;
+    ++seen;
+    const glm::dvec3 point(x[i], y[i], z[i]);
+    const glm::dvec2 centre(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
+    ASSERT_LT(glm::length(here.project(point) - centre), 1e-3) << i;
+    ASSERT_LT(glm::length(next.project(point) - here.project(point) - there.at(i)), 1e-3) << i;
+    ASSERT_LT(glm::length(previous.project(point) - here.project(point) - back.at(i)), 1e-3) << i;
+  }
+  EXPECT_GT(seen, 2000);
+}
+
+// Rays of their own: no integrator and no part of the samples changes a bit.
+TEST_F(PassMotion, AnyIntegratorAndPartsHaveTheSame) {
+  const std::string line = fmt::format(
+      "render {} --size 48x32 --spp 4 --max-depth 1 --env white -q --animation all --at "
+      "0.3 --motion-to 0.4 --motion-from 0.2 --aov motion,motion_back ",
+      scene_);
+  ASSERT_EQ(run(line + "--integrator path -o path.exr").exit_code, 0);
+  for (const char* integrator : {"bidirectional", "hybrid"})
+    ASSERT_EQ(run(fmt::format("{} --integrator {} -o {}.exr", line, integrator, integrator)).exit_code, 0);
+  for (const char* samples : {"0:1", "1:4"})
+    ASSERT_EQ(run(fmt::format("{} --integrator path --samples {} -o part{}.exr", line, samples, samples[0])).exit_code,
+              0);
+  const Outcome merged = run("merge part0.exr part1.exr -o merged.exr");
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  const Picture path = read("path.exr");
+  for (const char* other : {"bidirectional.exr", "hybrid.exr", "merged.exr"}) {
+    const Picture found = read(other);
+    for (const char* name : {"motion.X", "motion.Y", "motionBack.X", "motionBack.Y"}) {
+      const std::vector<float>&expected = channel(path, name), &values = channel(found, name);
+      EXPECT_GT(*std::ranges::max_element(expected), 0.5f);
+      ASSERT_EQ(values.size(), expected.size());
+      for (std::size_t i = 0; i < values.size(); ++i)
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(values[i]), std::bit_cast<std::uint32_t>(expected[i]))
+            << other << " " << name << " " << i;
+    }
+  }
+}
+
 // By the turn between two frames, 0.04 radians to the left; 0.08 metres aside count for nothing at infinity.
 TEST_F(PassMotion, TheBackgroundTurnsWithTheCamera) {
   ASSERT_EQ(run(render("--animation all --frames 4:5 --fps 10 --size 96x64 -o f.exr")).exit_code, 0);
