@@ -390,8 +390,9 @@ TEST(Interior, OurRoomsAre) {
 
 Picture flat_picture(float value, std::uint32_t width = 40, std::uint32_t height = 30) {
   Picture picture{width, height, {}};
-  for (const char* name : {"R", "G", "B", "A"})
+  for (const char* name : {"R", "G", "B"})
     picture.channels.push_back({name, std::vector<float>(std::size_t{width} * height, value)});
+  picture.channels.push_back({"A", std::vector<float>(std::size_t{width} * height, 1.0f)});
   return picture;
 }
 
