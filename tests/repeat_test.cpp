@@ -49,8 +49,10 @@ protected:
   Json stats() const { return Json::parse(std::ifstream(path("stats.json"))); }
   static void expect_same_bits(const Picture& a, const Picture& b) {
     for (const char* name : {"R", "G", "B", "A"}) {
-      ASSERT_TRUE(find_channel(a, name) && find_channel(b, name));
-      EXPECT_EQ(find_channel(a, name)->values, find_channel(b, name)->values) << name;
+      const Channel *of_a = find_channel(a, name), *of_b = find_channel(b, name);
+      ASSERT_EQ(of_a != nullptr, of_b != nullptr) << name; // a PNG without transparency has no A
+      if (!of_a) continue;
+      EXPECT_EQ(of_a->values, of_b->values) << name;
     }
   }
 
