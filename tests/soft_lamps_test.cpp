@@ -309,7 +309,7 @@ TEST_F(SoftLamps, ClampedPartsJoinToTheWhole) {
 // A whole sample is dimmed, so each group of it by the same factor: their sums are those of the picture, digit by
 // digit.
 TEST_F(SoftLamps, ClampedGroupsAddUpToThePicture) {
-  const Scene scene = corner_with({LightKind::point, LightKind::directional, LightKind::point}, 0.05);
+  Scene scene = corner_with({LightKind::point, LightKind::directional, LightKind::point}, 0.05);
   for (const std::uint32_t probes_from : {1u << 15, 1u}) {
     RenderPlan plain = path_settings(16, 3);
     plain.clamp = 0.4;
