@@ -158,7 +158,7 @@ LightSample sample_picked_light(uint index, vec3 from, uvec2 u) {
     s = sample_triangle_light(light, from, u);
   else if (has(kFeaturePunctualLights))
     s = sample_punctual_light(light, from);
-  if (has_lobe(kFeatureSoftLamps) && light.kind != kLightTriangle && light.kind != kLightEnvironment && is_soft(light))
+  if (has_lobe(kFeatureSoftLamps) && is_soft(light))
     s = sample_soft_lamp(light, from, u);
   s.light = index;
   return s;

@@ -11,7 +11,11 @@
 bool has_soft_lamps() { return has_lobe(kFeatureSoftLamps) && (frame.scene_lobes & kFeatureSoftLamps) != 0u; }
 
 float lamp_extent(Light light) { return light.pdf_area; } // see Light
-bool is_soft(Light light) { return has_lobe(kFeatureSoftLamps) && lamp_extent(light) > 0.0; }
+// False for triangles and the environment, which have other values in that place.
+bool is_soft(Light light) {
+  return has_lobe(kFeatureSoftLamps) && light.kind != kLightTriangle && light.kind != kLightEnvironment &&
+         lamp_extent(light) > 0.0;
+}
 
 float square_of(float x) { return x * x; }
 

@@ -76,8 +76,7 @@ float t_max_of(Vertex v, vec3 direction, bool distant) {
 
 bool is_soft_lamp(uint index) {
   if (!has_soft_lamps()) return false;
-  Light light = fetch_light(index);
-  return light.kind != kLightTriangle && light.kind != kLightEnvironment && is_soft(light);
+  return is_soft(fetch_light(index));
 }
 
 // Next-event estimation by one of light_sample_count() samples, the one at `index`. Returns true if there is a shadow
