@@ -163,7 +163,26 @@ struct Way {
   std::vector<std::string> aovs; // "variance": two replicates a pixel
   std::uint32_t side = 24;       // large pictures have error probes
   std::uint32_t techniques = gpu::kTechniquesAll;
+  std::string with; // what else decides which light a picture has
 };
+
+// Scenes that find light otherwise.
+Scene scene_with(const std::string& what, Scene scene) {
+  if (what == "soft_lamps") scene.lights[0].extent = 0.35, scene.lights[1].extent = 0.3;
+  if (what == "volume") {
+    scene.materials[3].volume = true, scene.materials[3].attenuation = {0.2f, 0.5f, 1.5f};
+    scene.instances.back().mesh = add_mesh(scene, box({-0.5f, 0.4f, 0.4f}, glm::vec3(0.25f)), 3);
+  }
+  if (what == "catcher") scene.first_catcher = 0, scene.end_catcher = 1; // the floor
+  return scene;
+}
+
+void change_plan(const std::string& what, RenderPlan& plan) {
+  plan.transparent = what == "transparent" || what == "catcher", plan.catches = what == "catcher";
+  if (what == "clamp") plan.clamp = 0.5;
+  if (what == "guide") plan.guide = true, plan.last_sample = 16;
+  if (what == "adaptive") plan.adaptive = kAdaptiveOn, plan.last_sample = 64;
+}
 
 class RenderWithGroups : public VulkanTest, public testing::WithParamInterface<Way> {
 protected:
@@ -178,16 +197,20 @@ protected:
     settings.reuse = kReuseOff;
     settings.light_groups = groups;
     settings.group_names = find_group_names(scene, groups);
+    change_plan(GetParam().with, settings);
     return settings;
   }
-  RenderResult render_room(Scene scene, const RenderPlan& settings) {
+  RenderResult render_room(const Scene& room, const RenderPlan& settings) {
+    Scene scene = scene_with(GetParam().with, room);
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const PackedScene packed = pack(scene, {.direct = settings.direct, .light_groups = settings.light_groups});
     return render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
+  void expect_sums_of_picture();
 };
 
 class GroupRender : public RenderWithGroups {};
+class GroupsWith : public RenderWithGroups {}; // other things asked for
 class GroupAlone : public RenderWithGroups {}; // of few ways, as it takes longer
 
 struct Total {
@@ -214,7 +237,7 @@ void add_up(std::array<std::uint32_t, 12>& total, const gpu::SplatPixel& pixel) 
 }
 
 // Not to within rounding: digit by digit.
-TEST_P(GroupRender, SumsOfGroupsAreThoseOfThePictureInIntegers) {
+void RenderWithGroups::expect_sums_of_picture() {
   const Scene scene = lit_room();
   const RenderResult result = render_room(scene, settings(scene, {"left", "Key", "glow", "environment"}));
   const Film& film = *result.film;
@@ -269,6 +292,9 @@ TEST_P(GroupRender, SumsOfGroupsAreThoseOfThePictureInIntegers) {
       ASSERT_NEAR(sum[i], double{all[i]}, 3.0 * 0x1p-23 * double{all[i]}) << i;
   }
 }
+
+TEST_P(GroupRender, SumsOfGroupsAreThoseOfThePictureInIntegers) { expect_sums_of_picture(); }
+TEST_P(GroupsWith, SumsOfGroupsAreThoseOfThePictureInIntegers) { expect_sums_of_picture(); }
 
 // The picture is the same but for the rounding of sums of few floats.
 TEST_P(GroupRender, GroupsLeaveThePictureAsItIs) {
@@ -332,7 +358,7 @@ Scene room_with_only(const std::string& name) {
 TEST_P(GroupAlone, IsTheLightOfItsLights) {
   const Scene scene = lit_room();
   RenderPlan with = settings(scene, {"left", "Key", "glow", "environment"});
-  with.last_sample = 16;
+  with.last_sample = std::max(with.last_sample, 16u);
   std::vector<Picture> pictures;
   for (with.seed = 1; with.seed <= 16; ++with.seed) pictures.push_back(render_room(scene, with).picture);
   for (const std::string name : {"left", "Key", "glow", "environment", "rest"}) {
@@ -340,7 +366,7 @@ TEST_P(GroupAlone, IsTheLightOfItsLights) {
         spread_of([&](std::uint32_t seed) { return light_of(pictures[seed - 1], fmt::format("group.{}.", name)); });
     const Scene alone = room_with_only(name);
     RenderPlan plain = settings(alone, {});
-    plain.last_sample = 16;
+    plain.last_sample = with.last_sample;
     const Spread other = spread_of([&](std::uint32_t seed) {
       plain.seed = 1000 + seed;
       return light_of(render_room(alone, plain).picture, "");
@@ -380,7 +406,8 @@ TEST_P(GroupRender, AWindowMixesThem) {
 std::string name_of(const testing::TestParamInfo<Way>& info) {
   const Way& way = info.param;
   return fmt::format("{}{}{}{}", way.integrator, way.aovs.empty() ? "" : "_halved", way.side > 100 ? "_probes" : "",
-                     way.techniques == gpu::kTechniquesAll ? "" : fmt::format("_{}", way.techniques));
+                     way.techniques == gpu::kTechniquesAll ? "" : fmt::format("_{}", way.techniques)) +
+         (way.with.empty() ? "" : "_" + way.with);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GroupRender,
@@ -389,7 +416,20 @@ INSTANTIATE_TEST_SUITE_P(All, GroupRender,
                                          Way{"bidirectional", {}, 24, gpu::kTechniqueConnect | gpu::kTechniqueSplat},
                                          Way{"bidirectional", {}, 24, gpu::kTechniqueMerge}),
                          name_of);
-INSTANTIATE_TEST_SUITE_P(All, GroupAlone, testing::Values(Way{"path", {}}, Way{"bidirectional", {}}), name_of);
+Way way_with(const char* integrator, const char* what) { return {integrator, {}, 24, gpu::kTechniquesAll, what}; }
+
+INSTANTIATE_TEST_SUITE_P(All, GroupsWith,
+                         testing::Values(way_with("path", "soft_lamps"), way_with("bidirectional", "soft_lamps"),
+                                         way_with("path", "volume"), way_with("bidirectional", "volume"),
+                                         way_with("path", "transparent"), way_with("bidirectional", "transparent"),
+                                         way_with("path", "catcher"), way_with("path", "clamp"),
+                                         way_with("path", "guide"), way_with("path", "adaptive")),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(All, GroupAlone,
+                         testing::Values(Way{"path", {}}, Way{"bidirectional", {}}, way_with("path", "soft_lamps"),
+                                         way_with("bidirectional", "soft_lamps"), way_with("path", "volume"),
+                                         way_with("path", "guide")),
+                         name_of);
 
 TEST(LightGroups, MemoryPlanCountsTheirBuffers) {
   const Scene scene = lit_room();
@@ -417,12 +457,11 @@ protected:
   bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
 
   // A floor under two lamps, "Key" and "Fill light", and a panel of material "glow".
-  std::string scene() const {
+  std::string scene(double key = 3.0, double fill = 3.0, const std::array<double, 3>& glow = {1.0, 0.6, 0.2}) const {
     GltfBuilder b;
     const int positions = b.floats("VEC3", {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1});
     const int indices = b.accessor("SCALAR", kUshort, std::vector<std::uint16_t>{0, 1, 2, 0, 2, 3});
-    b.root["materials"] = {{{"name", "paint"}},
-                           {{"name", "glow"}, {"emissiveFactor", {1.0, 0.6, 0.2}}, {"doubleSided", true}}};
+    b.root["materials"] = {{{"name", "paint"}}, {{"name", "glow"}, {"emissiveFactor", glow}, {"doubleSided", true}}};
     const int floor = b.mesh_node({{"POSITION", positions}}, {{"indices", indices}, {"material", 0}});
     const int panel = b.mesh_node({{"POSITION", positions}}, {{"indices", indices}, {"material", 1}});
     b.root["nodes"][static_cast<unsigned>(floor)]["scale"] = {3, 1, 3};
@@ -431,7 +470,7 @@ protected:
     std::vector<int> shown = {floor, panel};
     nlohmann::json& lights = b.root["extensions"]["KHR_lights_punctual"]["lights"];
     for (const char* name : {"Key", "Fill light"}) {
-      lights.push_back({{"type", "point"}, {"intensity", 3.0}});
+      lights.push_back({{"type", "point"}, {"intensity", name[0] == 'K' ? key : fill}});
       shown.push_back(b.add("nodes", {{"name", name},
                                       {"translation", {name[0] == 'K' ? -1.0 : 1.0, 1.5, 0.5}},
                                       {"extensions", {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}}}}));
@@ -547,6 +586,43 @@ TEST_F(GroupProgram, RelightWritesTheNewMix) {
     return std::string(std::istreambuf_iterator<char>(file), {});
   }();
   EXPECT_NE(header.find("ViewLayer.Combined_Fill_light.R"), std::string::npos);
+}
+
+// Where paths do not go by the power of lights, or all lights change alike, a mix is the render of a scene that has
+// other lamps, but for rounding.
+TEST_F(GroupProgram, AMixIsTheRenderOfOtherLamps) {
+  struct Case {
+    std::vector<std::string> flags, gains;
+    double key, fill;
+    std::array<double, 3> glow;
+  };
+  const Case cases[] = {
+      {{"--integrator", "path", "--direct", "bsdf"}, {"glow=0.5,1,4"}, 3.0, 3.0, {0.5, 0.6, 0.8}},
+      {{"--integrator", "path"}, {"Key=0.5", "Fill light=0.5", "glow=0.5"}, 1.5, 1.5, {0.5, 0.3, 0.1}},
+      {{"--integrator", "bidirectional"}, {"Key=0.5", "Fill light=0.5", "glow=0.5"}, 1.5, 1.5, {0.5, 0.3, 0.1}}};
+  for (const Case& test : cases) {
+    const auto shoot = [&](const std::string& file, const std::string& output, std::vector<std::string> more) {
+      std::vector<std::string> words{"render", file,      "--size", "48x32", "--spp", "12",  "--env",
+                                     "black",  "--reuse", "off",    "-q",    "-o",    output};
+      words.insert(words.end(), test.flags.begin(), test.flags.end());
+      words.insert(words.end(), more.begin(), more.end());
+      const Outcome outcome = run(words);
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    };
+    shoot(scene(), "groups.exr", {"--light-groups", "each"});
+    shoot(scene(test.key, test.fill, test.glow), "other.exr", {});
+    std::vector<std::string> words{"relight", "groups.exr", "-q", "-o", "mix.exr"};
+    for (const std::string& gain : test.gains) words.insert(words.end(), {"--gain", gain});
+    ASSERT_EQ(run(words).exit_code, 0);
+    const Picture mix = read_picture(path("mix.exr")), other = read_picture(path("other.exr"));
+    EXPECT_NE(find_channel(read_picture(path("groups.exr")), "B")->values, find_channel(mix, "B")->values);
+    for (const char* c : {"R", "G", "B"})
+      for (std::size_t i = 0; i < mix.channels[0].values.size(); ++i) {
+        const double expected = find_channel(other, c)->values[i];
+        ASSERT_NEAR(find_channel(mix, c)->values[i], expected, 1e-5 * (1e-3 + expected))
+            << test.flags[1] << " " << c << " " << i;
+      }
+  }
 }
 
 TEST_F(GroupProgram, BadInputIsOneLineAndNoFile) {
