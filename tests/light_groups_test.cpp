@@ -597,13 +597,17 @@ TEST_F(GroupProgram, AMixIsTheRenderOfOtherLamps) {
     std::array<double, 3> glow;
   };
   const Case cases[] = {
-      {{"--integrator", "path", "--direct", "bsdf"}, {"glow=0.5,1,4"}, 3.0, 3.0, {0.5, 0.6, 0.8}},
-      {{"--integrator", "path"}, {"Key=0.5", "Fill light=0.5", "glow=0.5"}, 1.5, 1.5, {0.5, 0.3, 0.1}},
+      {{"--integrator", "path", "--reuse", "off", "--direct", "bsdf"}, {"glow=0.5,1,4"}, 3.0, 3.0, {0.5, 0.6, 0.8}},
+      {{"--integrator", "path", "--reuse", "off"},
+       {"Key=0.5", "Fill light=0.5", "glow=0.5"},
+       1.5,
+       1.5,
+       {0.5, 0.3, 0.1}},
       {{"--integrator", "bidirectional"}, {"Key=0.5", "Fill light=0.5", "glow=0.5"}, 1.5, 1.5, {0.5, 0.3, 0.1}}};
   for (const Case& test : cases) {
     const auto shoot = [&](const std::string& file, const std::string& output, std::vector<std::string> more) {
-      std::vector<std::string> words{"render", file,      "--size", "48x32", "--spp", "12",  "--env",
-                                     "black",  "--reuse", "off",    "-q",    "-o",    output};
+      std::vector<std::string> words{"render", file,    "--size", "48x32", "--spp", "12",
+                                     "--env",  "black", "-q",     "-o",    output};
       words.insert(words.end(), test.flags.begin(), test.flags.end());
       words.insert(words.end(), more.begin(), more.end());
       const Outcome outcome = run(words);
