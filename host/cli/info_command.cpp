@@ -265,7 +265,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions, 
               number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
-// What each camera of the file shows with the flags of projection and size; null where they do not go together.
+// View of each camera of the file with the flags of projection and size; null where they do not go together.
 Json describe_views(const Scene& scene, const Framing& framing, const ViewRequest& asked, const RenderPlan& settings) {
   Json views = Json::array();
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {

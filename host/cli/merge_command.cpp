@@ -134,7 +134,7 @@ struct Region {
   std::shared_ptr<Film> film;
 };
 
-// Of all parts, which must have the given identity; those of a region have no sample in common.
+// All parts must have the given identity; those of one region have no sample in common.
 std::vector<Region> read_regions(const std::vector<std::string>& parts, const std::string& identity) {
   std::vector<Region> regions;
   for (const std::string& path : parts) {

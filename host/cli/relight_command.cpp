@@ -55,7 +55,7 @@ void check_relit_outputs(const RelightCommandRequest& request) {
   for (const std::string& path : pictures) require_writable(path);
 }
 
-// What the header of the picture says of the render, apart from what the mix changes.
+// The header of the picture, apart from what the mix changes.
 PictureInfo info_of(const std::string& path) {
   PictureInfo info;
   info.spp = static_cast<std::uint32_t>(read_number(path, "wavepath.spp").value_or(0.0));

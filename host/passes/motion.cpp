@@ -45,7 +45,7 @@ glm::dvec3 weights_of(const glm::dmat3& corners, const glm::dvec3& point) {
   return {1.0 - u - v, u, v};
 }
 
-// Where the surface at `point` is in the other pose. False if that has no such surface.
+// Position in the other pose of the surface at `point`. False if that has no such surface.
 bool follow(const OtherPicture& other, const MotionPictures& pictures, const PackedScene& scene, const gpu::Hit& hit,
             glm::dvec3& point) {
   const SourceTriangle& source = scene.sources[hit.triangle];

@@ -15,7 +15,7 @@
 
 namespace wavepath {
 
-// Where all surfaces of a scene are at one moment; with a shutter, when it opens.
+// Positions of all surfaces of a scene at one moment; with a shutter, when it opens.
 struct SurfacePose {
   std::vector<std::vector<glm::vec3>> positions; // by mesh
   std::vector<Instance> instances;

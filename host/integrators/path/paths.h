@@ -97,7 +97,7 @@ public:
                bool prepares_extend = false) const;
 
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
-  // Of transparency and shadow, which `buffers` lacks, where settings ask for them.
+  // Buffer of transparency and shadow, which `buffers` lacks; bound where settings ask for them.
   void add_cover_binding(std::vector<Binding>& bindings) const;
   BufferSet buffers;
 
