@@ -20,8 +20,10 @@ LampExtents lamp_extents(const PackedScene& scene) {
 }
 
 nlohmann::ordered_json lamp_extents_json(const PackedScene& scene) {
-  using Json = nlohmann::ordered_json;
-  const auto number = [](double extent) { return extent > 0.0 ? Json(extent) : Json(); };
+  const auto number = [](double extent) -> nlohmann::ordered_json {
+    if (extent > 0.0) return extent;
+    return nullptr;
+  };
   const LampExtents extents = lamp_extents(scene);
   if (extents.sun_degrees == 0.0 && extents.radius == 0.0) return nullptr;
   return {{"sun_angle", number(extents.sun_degrees)}, {"lamp_radius", number(extents.radius)}};
