@@ -20,6 +20,7 @@ GPU_CONSTANT uint kBindPathCover = 101u; // storage PathCover[], one a slot
 
 // Bits of Frame::cover; without any, passes alone are asked for.
 GPU_CONSTANT uint kCoverTransparent = 1u; // what escapes straight counts as transparent, not as light
+GPU_CONSTANT uint kCoverDirect = 2u;      // direct light of the first hit counts, unblocked and as it arrives
 
 // Bits of PathCover::state.
 GPU_CONSTANT uint kPathStraight = 1u;    // the path has gone straight through all that it met

@@ -35,6 +35,7 @@ void leave_catcher(uint slot) { path_cover[slot].state &= ~kPathFromCatcher; }
 
 // Direct light of the first hit, as if nothing blocked it. `caught`: the catcher sees it as well.
 void note_unblocked(uint slot, vec3 light, bool caught) {
+  if ((frame.cover & kCoverDirect) == 0u) return;
   float units = luminance(light);
   path_cover[slot].unblocked += units;
   if (caught) path_cover[slot].caught_unblocked += units;
@@ -42,6 +43,7 @@ void note_unblocked(uint slot, vec3 light, bool caught) {
 
 // What of it arrives; returns true if the picture is not to have it, but the photograph that it is put over.
 bool note_arrived(uint slot, vec3 light, float scale) {
+  if ((frame.cover & kCoverDirect) == 0u) return false; // `scale` may be unset
   float units = luminance(light) * abs(scale);
   path_cover[slot].arrived += units;
   bool caught = scale > 0.0 && is_caught(slot);

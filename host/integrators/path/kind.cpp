@@ -35,8 +35,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
 }
 
 void check(const RenderPlan& settings) {
-  const bool compares = settings.catches || std::ranges::count(settings.aovs, "shadow") > 0;
-  if (compares && settings.direct != gpu::kDirectMis)
+  if (compares_light(settings) && settings.direct != gpu::kDirectMis)
     throw UsageError(settings.catches ? "--catcher" : "--aov shadow",
                      "compares light with what would arrive if nothing blocked it, as --direct mis finds it",
                      "leave out --direct");

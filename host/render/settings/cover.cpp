@@ -8,8 +8,13 @@ namespace wavepath {
 
 bool is_cover(std::string_view aov) { return std::ranges::count(kCoverAovs, aov) > 0; }
 
+bool compares_light(const RenderPlan& settings) {
+  return settings.catches || std::ranges::count(settings.aovs, "shadow") > 0;
+}
+
 std::uint32_t cover_bits(const RenderPlan& settings) {
-  return settings.transparent || settings.catches ? gpu::kCoverTransparent : 0;
+  return (settings.transparent || settings.catches ? gpu::kCoverTransparent : 0) |
+         (compares_light(settings) ? gpu::kCoverDirect : 0);
 }
 
 bool has_cover(const RenderPlan& settings) {

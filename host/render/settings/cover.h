@@ -14,6 +14,9 @@ inline constexpr std::array<std::string_view, 2> kCoverAovs = {"shadow", "enviro
 
 bool is_cover(std::string_view aov);
 
+// True if direct light is told as if nothing blocked it, and as it arrives: for the catcher, and for `shadow`.
+bool compares_light(const RenderPlan& settings);
+
 // kCover bits of gpu::Frame.
 std::uint32_t cover_bits(const RenderPlan& settings);
 
