@@ -297,6 +297,12 @@ std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const Ren
   return decisions;
 }
 
+std::string part_text(const RenderPlan& settings) {
+  if (!settings.crop) return "";
+  const Crop& crop = *settings.crop;
+  return fmt::format(", of it {}x{} from {},{} on", crop.width, crop.height, crop.left, crop.top);
+}
+
 int run_scene(InfoCommandRequest& request) {
   resolve_settings(request.scene, request.render);
   check_camera(request.scene.view, request.render.settings);
@@ -326,8 +332,8 @@ int run_scene(InfoCommandRequest& request) {
   } else {
     print_scene(about, scene.extensions_used, settings);
     if (request.plan)
-      print_out("plan of a render at {}x{}, {} spp\n{}", settings.width, settings.height, settings.last_sample,
-                plan_table(decisions));
+      print_out("plan of a render at {}x{}{}, {} spp\n{}", settings.width, settings.height, part_text(settings),
+                settings.last_sample, plan_table(decisions));
   }
   print_warnings(scene.warnings);
   return kExitDone;

@@ -15,7 +15,9 @@
 #include "host/plan/pilot_runner.h"
 #include "host/render/lost_light.h"
 #include "host/render/report/plan_file.h"
+#include "host/render/settings/crop.h"
 #include "host/render/settings/identity.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
@@ -154,6 +156,11 @@ void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
   for (const Decision& decision : prepared.plan.decisions)
     if (is_told(request, decision)) print_err("wavepath: {}\n", plan_line(decision));
   for (const std::string& warning : prepared.plan.warnings) prepared.warnings.add(warning);
+  if (prepared.plan.settings.crop && !renders_part(prepared.plan.settings))
+    prepared.warnings.add(
+        fmt::format("--crop: --integrator {} renders the whole picture and keeps the part, so that "
+                    "parts save no work; split it by --samples",
+                    name_of(prepared.plan.settings.integrator)));
   if (const std::string unlit = unlit_bodies(prepared.packed); !unlit.empty()) prepared.warnings.add(unlit);
   prepared.memory->require(prepared.plan.settings); // which a state may have told, or pilots made to take more
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, prepared.plan.settings);

@@ -6,12 +6,14 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/film/error.h"
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
 #include "host/picture/filter/oidn.h"
 #include "host/plan/adaptive.h"
 #include "host/plan/plan.h"
 #include "host/render/settings/antialias_settings.h"
+#include "host/render/settings/crop.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
@@ -76,6 +78,15 @@ void check_crop(const RenderPlan& settings) {
   if (settings.denoise != kDenoiseOff)
     throw UsageError("--denoise", "looks at neighbours that a part of a picture lacks",
                      "leave out --crop, or filter the merged picture");
+  if (settings.target_error == 0.0) return;
+  RenderPlan possible = settings; // pilots may decide later whether paths are reused, which moves the probes
+  for (const auto reuse : {kReuseOff, kReuseOn}) {
+    possible.reuse = reuse;
+    const FilmShape shape = picture_shape(possible);
+    if (shape.has_probes && probes_within(shape) < kFewestProbes)
+      throw UsageError("--target-error", "needs more pixels than --crop has, for an estimate of the error",
+                       "give --spp instead, or a larger part");
+  }
 }
 
 // Decisions that would not be taken.

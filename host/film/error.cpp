@@ -204,7 +204,11 @@ ErrorEstimate estimate_error(const Film& film) {
   // A part cuts blocks. The probed pixel of a block lies in the part with the probability of any other, and then stands
   // for the whole block: the sum is right on average, and so is its ratio to the pixels that are stood for.
   const bool cuts_blocks = film.has_probes && film.shape().is_part();
-  const double n = cuts_blocks ? represented : static_cast<double>(pixel_count), mean = sum / n; // NaN without a probe
+  const auto within = [&](std::uint32_t pixel) { return pixel < pixel_count; };
+  const auto probes = static_cast<std::uint64_t>(std::ranges::count_if(film.probed, within));
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  if (cuts_blocks && probes < kFewestProbes) return {kUnknown, {kUnknown, kUnknown}, 0.0};
+  const double n = cuts_blocks ? represented : static_cast<double>(pixel_count), mean = sum / n;
   // The interval is that of this picture's error, not of its expectation. Both the estimate, over probed pixels, and
   // the error, over all pixels, scatter alike and independently: the sum and the difference of two replicates are
   // independent if they are normal. The weights are known less well: over scenes and sample counts they left the
@@ -212,10 +216,7 @@ ErrorEstimate estimate_error(const Film& film) {
   // pixels of a quad err independently, their mean scatters a quarter as much as a pixel. If they err alike, it
   // scatters as much, and the interval is twice as wide.
   constexpr double kWeights = 0.05; // standard deviation of the weights' error
-  const auto within = [&](std::uint32_t pixel) { return pixel < pixel_count; };
-  const double probed = cuts_blocks       ? static_cast<double>(std::ranges::count_if(film.probed, within))
-                        : film.has_probes ? static_cast<double>(film.shape().probe_count())
-                                          : n;
+  const double probed = film.has_probes ? static_cast<double>(probes) : n;
   const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels for each squared error
   const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / probed + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);

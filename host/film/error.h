@@ -31,10 +31,15 @@ struct Checkpoint { // one at each power of two of spp, and one at the end
   ErrorEstimate error;
 };
 
+// Number of probed pixels that a part of a picture needs for an estimate. Fewer would end renders by chance: of 16,
+// which may lie in 4 quads, the root mean square is off by a sixth, by a third in quads that err alike.
+inline constexpr std::uint64_t kFewestProbes = 16;
+
 // Estimates sqrt(relMSE) of the mean picture, with a 95 % interval that covers the true one. The squared error of a
 // pixel comes from the difference of two replicates, its own or those of the probed pixel of its block. That is right
 // for any sampler, because replicates are scrambled independently. The variance of single samples would overstate the
-// error of Owen-scrambled Sobol by up to 12 times. The result is NaN while a replicate lacks samples.
+// error of Owen-scrambled Sobol by up to 12 times. The result is NaN while a replicate lacks samples,
+// and for parts of less than kFewestProbes.
 ErrorEstimate estimate_error(const Film& film);
 
 // True if there is an estimate, which needs a sample in every replicate.

@@ -244,7 +244,25 @@ std::size_t block_there(const Film& film, std::size_t block, const Film& other) 
   return (row * gpu::blocks_touched(there.left, there.width, x) + column) * each + block % each;
 }
 
+// Where a film keeps the probed pixel of a block: its index, or pixels() + block if it lies outside.
+std::uint32_t place_of_probed(const FilmShape& shape, std::uint32_t block) {
+  const gpu::FilmArea area = shape.area();
+  const std::uint32_t whole = gpu::block_in_picture(block, area, shape.probes());
+  const glm::uvec2 at = gpu::probed_pixel(whole, area.whole_width, area.whole_height, shape.seed, shape.probes()) -
+                        glm::uvec2(area.left, area.top);
+  const bool within = at.x < shape.width && at.y < shape.height; // unsigned: also not left of it, nor above
+  return within ? at.y * shape.width + at.x : static_cast<std::uint32_t>(shape.pixels()) + block;
+}
+
 } // namespace
+
+std::uint64_t probes_within(const FilmShape& shape) {
+  if (!shape.is_part()) return shape.probe_count();
+  std::uint64_t count = 0;
+  for (std::uint32_t block = 0; block < shape.probe_count(); ++block)
+    count += place_of_probed(shape, block) < shape.pixels();
+  return count;
+}
 
 std::uint32_t in_picture(const FilmShape& shape, std::uint32_t entry) {
   const gpu::FilmArea area = shape.area();
@@ -278,15 +296,10 @@ Film make_film(const FilmShape& shape) {
   film.has_probes = shape.has_probes, film.seed = shape.seed, film.quads = shape.quads;
   film.place = shape.place;
   film.probed.resize(shape.probe_count());
-  const gpu::FilmArea area = shape.area();
   bool all_within = true;
   for (std::uint32_t block = 0; block < film.probed.size(); ++block) {
-    const std::uint32_t whole = gpu::block_in_picture(block, area, shape.probes());
-    const glm::uvec2 at = gpu::probed_pixel(whole, area.whole_width, area.whole_height, film.seed, shape.probes()) -
-                          glm::uvec2(area.left, area.top);
-    const bool within = at.x < film.width && at.y < film.height; // unsigned: also not left of it, nor above
-    film.probed[block] = within ? at.y * film.width + at.x : static_cast<std::uint32_t>(film.shape().pixels()) + block;
-    all_within &= within;
+    film.probed[block] = place_of_probed(shape, block);
+    all_within &= film.probed[block] < shape.pixels();
   }
   if (!all_within) film.beside.resize(film.probed.size());
   return film;

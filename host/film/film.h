@@ -91,6 +91,9 @@ struct Film {
   bool operator==(const Film& other) const; // bit by bit
 };
 
+// Number of probed pixels that a film of this shape holds.
+std::uint64_t probes_within(const FilmShape& shape);
+
 // A film without samples.
 Film make_film(const FilmShape& shape);
 
