@@ -31,27 +31,25 @@ void add_sample(inout FilmPixel pixel, vec3 radiance) {
 
 // Running means: fields are averages over the samples so far, those of surfaces over the samples that hit one; which
 // surface it is has no mean, so that the first one stays.
-void accumulate_aovs(uint film_index, PathAovs path) {
-  FilmAovs mean = film_aovs[film_index];
+void add_aovs(inout FilmAovs mean, PathAovs path) {
   mean.count += 1.0;
-  mean.albedo += (path.albedo - mean.albedo) / mean.count;
+  // Fields of a surface are not set where there is none.
+  mean.albedo += ((path.hit > 0.0 ? path.albedo : vec3(0.0)) - mean.albedo) / mean.count;
   mean.emission += (path.emission - mean.emission) / mean.count;
   mean.direct += (path.direct - mean.direct) / mean.count;
-  if (path.hit > 0.0) {
-    if (mean.hits == 0.0) {
-      mean.triangle = path.triangle;
-      mean.instance = path.instance;
-      mean.material = path.material;
-    }
-    mean.hits += 1.0;
-    mean.normal += (path.normal - mean.normal) / mean.hits;
-    mean.position += (path.position - mean.position) / mean.hits;
-    mean.depth += (path.depth - mean.depth) / mean.hits;
-    mean.unoccluded += (path.unoccluded - mean.unoccluded) / mean.hits;
-    mean.roughness += (path.roughness - mean.roughness) / mean.hits;
-    mean.metallic += (path.metallic - mean.metallic) / mean.hits;
+  if (path.hit == 0.0) return;
+  if (mean.hits == 0.0) {
+    mean.triangle = path.triangle;
+    mean.instance = path.instance;
+    mean.material = path.material;
   }
-  film_aovs[film_index] = mean;
+  mean.hits += 1.0;
+  mean.normal += (path.normal - mean.normal) / mean.hits;
+  mean.position += (path.position - mean.position) / mean.hits;
+  mean.depth += (path.depth - mean.depth) / mean.hits;
+  mean.unoccluded += (path.unoccluded - mean.unoccluded) / mean.hits;
+  mean.roughness += (path.roughness - mean.roughness) / mean.hits;
+  mean.metallic += (path.metallic - mean.metallic) / mean.hits;
 }
 
 #endif

@@ -70,6 +70,7 @@ struct PathAovs {
   uint pad0;
 };
 GPU_CHECK(sizeof(PathAovs) == 96);
+GPU_CONSTANT uint kPathAovTexels = 6u;
 
 // Running means over samples of the fields of PathAovs; of its last three, what the first sample hit.
 struct FilmAovs {

@@ -79,7 +79,9 @@ void main() {
     sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
     sample_.unoccluded = signal.w;
     describe_surface(pixel, pixel_index, sample_);
-    accumulate_aovs(film_index, sample_);
+    FilmAovs mean = film_aovs[film_index];
+    add_aovs(mean, sample_);
+    film_aovs[film_index] = mean;
   }
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[pixel_index] = vec4(radiance, 0.0);

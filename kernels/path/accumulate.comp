@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_PATHS
+#define BIND_PATH_AOV_TEXELS
 #define BIND_FILM
 #define BIND_REUSE
 #define BIND_GROUPS
@@ -105,8 +106,10 @@ void main() {
       if (is_finite(gathered_radiance(slot))) accumulate_cover(film_index, path_cover[slot]);
     }
   if (!has(kFeatureAovs)) return;
+  FilmAovs mean = film_aovs[film_index];
   for (uint s = 0u; s < part.samples; ++s) {
     uint slot = first_slot + s * part.entries;
-    if (is_finite(gathered_radiance(slot))) accumulate_aovs(film_index, path_aovs[slot]);
+    if (is_finite(gathered_radiance(slot))) add_aovs(mean, fetch_path_aovs(slot));
   }
+  film_aovs[film_index] = mean;
 }

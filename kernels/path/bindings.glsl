@@ -14,6 +14,10 @@ layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint p
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
 
+#ifdef BIND_PATH_AOV_TEXELS
+layout(set = 0, binding = kBindPathAovTexels) uniform usamplerBuffer path_aov_texels;
+#endif
+
 #ifdef BIND_RECEIVERS
 layout(set = 0, binding = kBindReceivers, std430) writeonly buffer ReceiverBlock { uvec4 receiver_words[]; };
 layout(set = 0, binding = kBindReceiverTexels) uniform usamplerBuffer receiver_texels;

@@ -53,15 +53,9 @@ void main() {
   if (HAS_LIGHT_GROUPS) clear_groups(slot);
   if (COVERS) begin_cover(slot);
   if (has(kFeatureAovs)) {
-    path_aovs[slot].albedo = vec3(0.0);
-    path_aovs[slot].depth = 0.0;
-    path_aovs[slot].normal = vec3(0.0);
-    path_aovs[slot].hit = 0.0;
-    path_aovs[slot].position = vec3(0.0);
+    path_aovs[slot].hit = 0.0; // no other field of a surface counts then
     path_aovs[slot].unoccluded = 0.0;
     path_aovs[slot].emission = vec3(0.0);
     path_aovs[slot].direct = vec3(0.0);
-    path_aovs[slot].roughness = path_aovs[slot].metallic = 0.0;
-    path_aovs[slot].triangle = path_aovs[slot].instance = path_aovs[slot].material = kNone;
   }
 }

@@ -36,8 +36,9 @@ GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32UI: maps of its lea
 // Storage: vec4[], GuideRecord[] (kFeatureTraining); or uvec4[], reuse_texel_count() a slot: what pixels tell their
 // neighbours of paths (kSpecReuse). No render has both, and devices may allow few storage buffers.
 GPU_CONSTANT uint kBindGuideRecords = 63u;
-GPU_CONSTANT uint kBindPathGroups = 127u; // storage float[]: see kernels/path/light_groups.glsl
-GPU_CONSTANT uint kBindReuseTexels = 90u; // texels RGBA32UI: the same memory
+GPU_CONSTANT uint kBindReuseTexels = 90u;   // texels RGBA32UI: the same memory
+GPU_CONSTANT uint kBindPathAovTexels = 91u; // texels RGBA32UI: kBindPathAovs
+GPU_CONSTANT uint kBindPathGroups = 127u;   // storage float[]: see kernels/path/light_groups.glsl
 
 struct PathState {
   vec3 throughput;

@@ -23,6 +23,22 @@ void store_radiance(uint slot, PathState path) {
 }
 #endif
 
+#ifdef BIND_PATH_AOV_TEXELS
+// What the compiler finds unused is not fetched.
+PathAovs fetch_path_aovs(uint slot) {
+  int texel = int(kPathAovTexels * slot);
+  uvec4 albedo_depth = texelFetch(path_aov_texels, texel), normal_hit = texelFetch(path_aov_texels, texel + 1),
+        position_unoccluded = texelFetch(path_aov_texels, texel + 2),
+        emission_roughness = texelFetch(path_aov_texels, texel + 3),
+        direct_metallic = texelFetch(path_aov_texels, texel + 4), ids = texelFetch(path_aov_texels, texel + 5);
+  return PathAovs(uintBitsToFloat(albedo_depth.xyz), uintBitsToFloat(albedo_depth.w), uintBitsToFloat(normal_hit.xyz),
+                  uintBitsToFloat(normal_hit.w), uintBitsToFloat(position_unoccluded.xyz),
+                  uintBitsToFloat(position_unoccluded.w), uintBitsToFloat(emission_roughness.xyz),
+                  uintBitsToFloat(emission_roughness.w), uintBitsToFloat(direct_metallic.xyz),
+                  uintBitsToFloat(direct_metallic.w), ids.x, ids.y, ids.z, ids.w);
+}
+#endif
+
 #ifdef BIND_RAYS
 // `index`: counted over both queues, one after the other.
 Ray fetch_ray(uint index) {

@@ -89,7 +89,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindPathMedia, storage}}},
     {"path AOVs",
      [](const BufferDimensions& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
-     {{gpu::kBindPathAovs, storage}}},
+     {{gpu::kBindPathAovs, storage}, {gpu::kBindPathAovTexels, texels_rgba32ui}}},
     {"rays",
      [](const BufferDimensions& e) {
        return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray);
