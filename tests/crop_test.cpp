@@ -56,6 +56,12 @@ protected:
     return settings;
   }
 
+  static void expect_same(const Picture& expected, const Picture& picture) {
+    ASSERT_EQ(expected.channels.size(), picture.channels.size());
+    for (std::size_t c = 0; c < expected.channels.size(); ++c)
+      EXPECT_EQ(expected.channels[c].values, picture.channels[c].values) << expected.channels[c].name;
+  }
+
   // Files keep of a probed pixel outside the part what the estimate of the error needs: its light.
   static Film without_probes_outside(Film film) {
     for (std::size_t block = 0; block < film.probed.size(); ++block) {
@@ -89,6 +95,7 @@ protected:
       const std::shared_ptr<const Film> read = read_film(file);
       ASSERT_TRUE(read);
       EXPECT_TRUE(*read == without_probes_outside(*result.film));
+      expect_same(*cut_to(develop(*whole.film, {"variance"}, {}), picture), develop(*read, {"variance"}, {}));
       ASSERT_TRUE(paste(joined, *read, known));
     }
     EXPECT_TRUE(joined == *whole.film);
@@ -121,7 +128,7 @@ TEST_F(CropRender, HasTheBitsOfTheWholePicture) {
   cases[1].settings.probes_from = ~0u;
   cases[2].settings.adaptive = cases[4].settings.adaptive = kAdaptiveOn;
   cases[3].settings.reuse = cases[4].settings.reuse = kReuseOn;
-  cases[5].settings.aovs = {"albedo", "normal", "depth", "samples"};
+  cases[5].settings.aovs = {"albedo", "normal", "depth", "samples", "variance"};
   for (const auto& [name, settings] : cases) {
     SCOPED_TRACE(name);
     const RenderResult whole = render(settings);
@@ -132,8 +139,7 @@ TEST_F(CropRender, HasTheBitsOfTheWholePicture) {
       EXPECT_TRUE(*result.film == cut(*whole.film, picture_shape(part))) << crop.left << "," << crop.top;
       const std::optional<Picture> expected = cut_to(whole.picture, result.picture);
       ASSERT_TRUE(expected);
-      for (std::size_t c = 0; c < expected->channels.size(); ++c)
-        EXPECT_EQ(expected->channels[c].values, result.picture.channels[c].values) << expected->channels[c].name;
+      expect_same(*expected, result.picture);
     }
     if (!settings.integrator->traces_paths || settings.integrator->splats) continue;
     RenderPlan small = settings;
