@@ -136,6 +136,19 @@ TEST(CameraControl, ChoosesFramesAndResets) {
   expect_near(control.view().position, {0, 0, 4});
 }
 
+TEST(CameraControl, FramesTheSceneInPanoramas) {
+  const auto distance = [](const ViewRequest& request) {
+    CameraControl control(triangle_scene(), unit_framing(), request);
+    control.frame_scene();
+    return glm::length(control.view().position);
+  };
+  const double radius = std::sqrt(3.0);
+  EXPECT_NEAR(distance({.projection = Projection::fisheye, .fov = 1.0}), radius / std::sin(0.5), 1e-9);
+  const double outside = radius / std::sin(glm::radians(60.0));
+  EXPECT_NEAR(distance({.projection = Projection::fisheye, .fov = 3.5}), outside, 1e-9);
+  EXPECT_NEAR(distance({.projection = Projection::equirectangular}), outside, 1e-9);
+}
+
 // Another camera of the file is seen by the lens that the flags ask for, in the window and by the copied line.
 TEST(CameraControl, KeepsTheLensOfTheFlags) {
   Scene scene = triangle_scene();

@@ -121,7 +121,10 @@ bool CameraControl::choose(std::size_t camera) {
 
 void CameraControl::frame_scene() {
   const View now = view();
-  const double half_angle = std::atan(std::min(glm::length(now.up), glm::length(now.right)));
+  const double extent = std::min(glm::length(now.up), glm::length(now.right));
+  // Panoramas see angles, and more than a sphere before the eye can fill: it is to be outside.
+  constexpr double kWidest = glm::radians(60.0);
+  const double half_angle = now.panorama == Panorama::none ? std::atan(extent) : std::min(extent, kWidest);
   Pose p = pose();
   const glm::dvec3 forward = glm::normalize(p.target - p.eye);
   p.target = framing_.bounds.centre();
