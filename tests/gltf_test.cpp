@@ -207,6 +207,7 @@ TEST(Gltf, TransformsAreComposedInDouble) {
   b.add("nodes", {{"children", {0}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1000000, 0, 0, 1}}});
   const Scene scene = load(b);
   ASSERT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.node_parents, (std::vector<std::uint32_t>{1, kNoIndex}));
   const glm::dmat4& m = scene.instances[0].world_from_object;
   expect_near(m * glm::dvec4(1, 0, 0, 1), {1000000 + 1e-9, 4, -3}, 1e-9);
   expect_near(m * glm::dvec4(0, 1, 0, 0), {-3, 0, 0}, 1e-12);

@@ -101,7 +101,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
-  std::vector<std::string> node_names; // by node of the file; empty where it has no name
+  std::vector<std::string> node_names;     // by node of the file; empty where it has no name
+  std::vector<std::uint32_t> node_parents; // likewise; kNoIndex where it has none
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   Environment environment;

@@ -108,8 +108,8 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
-  const auto& [path, files, images, materials, meshes, instances, node_names, cameras, lights, environment,
-               first_catcher, end_catcher, extensions_used, warnings] = scene;
+  const auto& [path, files, images, materials, meshes, instances, node_names, node_parents, cameras, lights,
+               environment, first_catcher, end_catcher, extensions_used, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);

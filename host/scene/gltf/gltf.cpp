@@ -267,6 +267,7 @@ Scene begin_scene(const Document& document) {
           scene.files.push_back(file->string());
   scene.extensions_used = document.model.extensionsUsed;
   for (const tinygltf::Node& node : document.model.nodes) scene.node_names.push_back(node.name);
+  scene.node_parents = gltf::node_parents(document);
   return scene;
 }
 

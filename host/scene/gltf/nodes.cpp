@@ -141,6 +141,13 @@ glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales) {
   return glm::mix(glm::dvec3(1.0), glm::dvec3(-1.0), glm::lessThan(scale, glm::dvec3(0.0)));
 }
 
+std::vector<std::uint32_t> node_parents(const Document& document) {
+  std::vector<std::uint32_t> result;
+  for (const int parent : parents(document))
+    result.push_back(parent < 0 ? kNoIndex : static_cast<std::uint32_t>(parent));
+  return result;
+}
+
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales) {
   const auto parent_of = parents(document);
   const auto order = with_descendants(document, roots(parent_of));

@@ -1,6 +1,7 @@
 // The node hierarchy: which nodes a scene holds and where they are.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
 // Nodes of the scene that `request` names (empty: the default scene, else the first one, else every root node), parents
 // before children. Throws Error.
 std::vector<int> scene_nodes(const Document& document, const std::string& request);
+
+// By node; kNoIndex where it has none. Throws Error if a node has two.
+std::vector<std::uint32_t> node_parents(const Document& document);
 
 // World matrices of all nodes, composed in double. A node's matrix whose last row is 0,0,0,1 but for kAffineRounding is
 // taken as affine. `scales`: as authored, or their signs alone, zero as +1, which tells the directions that a scale of

@@ -12,17 +12,24 @@ namespace wavepath {
 namespace {
 
 bool is_node(const Scene& scene, std::uint32_t node, const std::string& wanted, bool by_name) {
-  if (node == kNoIndex) return false;
   if (by_name) return scene.node_names[node] == wanted;
   std::uint32_t index = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
   return error == std::errc() && end == wanted.data() + wanted.size() && index == node;
 }
 
+std::uint32_t parent_of(const Scene& scene, std::uint32_t node) {
+  return node < scene.node_parents.size() ? scene.node_parents[node] : kNoIndex;
+}
+
+// Instances of the node and of those below it.
 std::vector<std::size_t> instances_of(const Scene& scene, const std::string& wanted, bool by_name) {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i)
-    if (is_node(scene, scene.instances[i].node, wanted, by_name)) found.push_back(i);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    std::uint32_t node = scene.instances[i].node;
+    while (node != kNoIndex && !is_node(scene, node, wanted, by_name)) node = parent_of(scene, node);
+    if (node != kNoIndex) found.push_back(i);
+  }
   return found;
 }
 
@@ -78,6 +85,13 @@ void add_catcher(Scene& scene, const std::string& node) {
 void catch_ground(Scene& scene) {
   scene.end_catcher = static_cast<std::uint32_t>(scene.materials.size());
   scene.first_catcher = scene.end_catcher - 1;
+}
+
+void warn_of_unlit_catcher(Scene& scene) {
+  if (!scene.lights.empty() || scene.environment.present()) return;
+  scene.warnings.add(
+      "--catcher: no lamp and no environment lights this scene, so nothing casts a shadow on the "
+      "catcher; light of surfaces that glow counts as light of objects (--sun or --env gives light)");
 }
 
 } // namespace wavepath
