@@ -13,6 +13,8 @@
 #include "host/picture/files/exr.h"
 #include "host/picture/files/picture_io.h"
 #include "host/picture/tonemap.h"
+#include "host/render/progressive/display.h"
+#include "host/render/progressive/progressive.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/gltf/motion.h"
 #include "host/scene/staging/catcher.h"
@@ -187,7 +189,7 @@ class CatcherTest : public ShadowTest {
 protected:
   // Puts renders with a catcher over the floor without objects, and compares them with renders of everything.
   void expect_composite(const std::function<void(Scene&)>& light, const std::function<void(Scene&)>& more = {},
-                        std::uint32_t direct = gpu::kDirectMis, std::uint32_t sampler = gpu::kSamplerSobol) {
+                        const std::function<void(RenderPlan&)>& by = {}) {
     Scene floor = stage(false), whole = stage(true);
     light(floor), light(whole);
     if (more) more(whole);
@@ -195,9 +197,8 @@ protected:
     add_catcher(caught, "floor");
     RenderPlan settings = path_settings(24, 18, 64);
     settings.max_depth = 4;
-    settings.direct = direct;
     RenderPlan photographing = settings;
-    settings.sampler = sampler;
+    if (by) by(settings);
     RenderPlan catching = settings;
     catching.catches = catching.transparent = true;
     photographing.last_sample = 4096;
@@ -243,7 +244,7 @@ TEST_F(CatcherTest, SoftLamps) {
   sphere.extent = 1.5, disc.extent = 0.05;
   for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee})
     for (const PunctualLight& lamp : {sphere, disc})
-      expect_composite([&](Scene& scene) { scene.lights = {lamp}; }, {}, direct);
+      expect_composite([&](Scene& scene) { scene.lights = {lamp}; }, {}, [&](RenderPlan& s) { s.direct = direct; });
 }
 
 // Samples pick one of the lamps. Nets of 64 points pick each of them as often for nearly all seeds, so that the spread
@@ -255,7 +256,7 @@ TEST_F(CatcherTest, SeveralLamps) {
           scene.lights = {far_lamp(), sun()};
           if (soft) scene.lights[0].extent = 1.5, scene.lights[1].extent = 0.05;
         },
-        {}, gpu::kDirectMis, gpu::kSamplerIndependent);
+        {}, [](RenderPlan& settings) { settings.sampler = gpu::kSamplerIndependent; });
 }
 
 // What glows is an object: its light on the floor is in the picture.
@@ -451,6 +452,34 @@ TEST_F(CoverTest, OtherRendersHaveNoneOfIt) {
   const RenderPlan settings = path_settings(16, 8, 1);
   EXPECT_TRUE(render(display(), settings).film->cover.empty());
   EXPECT_FALSE(find_integrator("path")->features(settings) & gpu::kFeatureCover);
+}
+
+// The window shows squares of two greys behind what is transparent, with error probes too.
+TEST_F(CoverTest, AWindowShowsSquaresBehindIt) {
+  Scene scene = stage(true);
+  scene.lights.push_back(far_lamp());
+  add_catcher(scene, "floor");
+  for (const std::uint32_t probes_from : {1u << 15, 1u}) {
+    RenderPlan settings = path_settings(40, 32, 8);
+    settings.transparent = settings.catches = true;
+    settings.probes_from = probes_from;
+    const PackedScene packed = pack(scene, {.direct = settings.direct});
+    Progressive progressive(device(), packed, resolve_view(scene, {}, 40, 32), settings, shared_kernels(device()));
+    while (progressive.status().fraction < 1.0) progressive.step();
+    const Picture picture = progressive.picture();
+    const std::vector<float>& alpha = channel(picture, "A");
+    EXPECT_LT(std::ranges::min(alpha), 0.1f);
+    Display display(device());
+    display.draw(progressive, {.exposure = 1.0, .tonemap = Tonemap::none});
+    const auto words = download<std::uint32_t>(display.pixels(), alpha.size());
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const float square = (i % 40 / 8 + i / 40 / 8) % 2 == 0 ? gpu::kDarkSquare : gpu::kBrightSquare;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float light = 2.0f * picture.channels[c].values[i] + (1.0f - alpha[i]) * square;
+        ASSERT_NEAR(static_cast<int>(words[i] >> 8 * c & 0xff), 255.0f * to_srgb(std::min(light, 1.0f)), 1.0) << i;
+      }
+    }
+  }
 }
 
 // ---- files ----------------------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 
 #include "kernels/display/display_types.h"
 #include "kernels/display/tonemap.glsl"
+#include "kernels/film/cover_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/base/frame_types.h"
 #include "kernels/base/error_probes.h"
@@ -17,6 +18,7 @@ layout(set = 0, binding = kBindFilmAovs) uniform samplerBuffer film_aov_texels;
 layout(set = 0, binding = kBindFilmAovWords) uniform usamplerBuffer film_aov_words;
 layout(set = 0, binding = kBindSplats, std430) readonly buffer SplatBlock { uint splat_words[]; };
 layout(set = 0, binding = kBindFilmGroups, std430) readonly buffer FilmGroupBlock { FilmPixel film_groups[]; };
+layout(set = 0, binding = kBindFilmCover, std430) readonly buffer FilmCoverBlock { FilmCover film_cover[]; };
 layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { uint screen[]; };
 
 float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
@@ -73,6 +75,25 @@ vec3 mixed_splats(uint pixel) {
   return sum;
 }
 
+// How much of the background is seen, as transparency() of host/film has it. `probe`: kNone, or another entry of the
+// pixel.
+float transparency(uint pixel, uint probe) {
+  float escaped = 0.0, unblocked = 0.0, arrived = 0.0, caught = 0.0, count = 0.0;
+  for (uint i = 0u; i < (probe == kNone ? 1u : 2u); ++i) {
+    FilmCover cover = film_cover[i == 0u ? pixel : probe];
+    escaped += value_of(words_of(cover.escaped), cover.tops[0] >> 24u);
+    unblocked += value_of(words_of(cover.caught_unblocked), (cover.tops[1] >> 16u) & 0xffu);
+    arrived += value_of(words_of(cover.caught_arrived), cover.tops[1] >> 24u);
+    caught += float(cover.caught);
+    count += float(cover.count);
+  }
+  float share = unblocked > 0.0 ? clamp(arrived / unblocked, 0.0, 1.0) : 1.0;
+  return clamp((escaped + caught * share) / max(count, 1.0), 0.0, 1.0);
+}
+
+// Light of the squares of grey behind what is transparent, after exposure.
+float squares(uvec2 at) { return (((at.x ^ at.y) >> 3u) & 1u) == 0u ? kDarkSquare : kBrightSquare; }
+
 // Black, purple, orange, pale yellow, as sRGB: the colours of host/picture/error_map.cpp.
 vec3 map_color(float value) {
   const vec3 kStops[5] = vec3[5](vec3(0.0, 0.0, 0.015), vec3(0.32, 0.07, 0.48), vec3(0.72, 0.21, 0.47),
@@ -90,8 +111,8 @@ vec3 id_color(uint id) {
 }
 
 // Encoded colour of a pixel whose samples sum to `sum`, one at least; a and b are the two replicates that measure its
-// error.
-vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
+// error. `behind`: light of what is seen behind the picture, after exposure.
+vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b, float behind) {
   vec3 mean = sum.rgb / sum.w;
   int aov = int(kFilmAovTexels * pixel); // first of its texels
   if (job.shown == kShowSamples) return vec3(sum.w / job.range);
@@ -124,7 +145,7 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
   if (job.shown == kShowDirect) radiance = texelFetch(film_aov_texels, aov + 4).xyz;
   if (job.shown == kShowIndirect)
     radiance = mean - texelFetch(film_aov_texels, aov + 3).xyz - texelFetch(film_aov_texels, aov + 4).xyz;
-  return to_srgb(tonemap(job.tonemap, radiance * job.gain));
+  return to_srgb(tonemap(job.tonemap, radiance * job.gain + behind));
 }
 
 bool shows_aov() { return (job.shown >= kShowAlbedo && job.shown <= kShowEmission) || job.shown >= kShowOcclusion; }
@@ -158,7 +179,9 @@ void main() {
     if (probe != kNone) sum.rgb += mixed_sum(probe);
     if (job.splats != 0u) sum.rgb += mixed_splats(pixel);
   }
-  uvec3 bytes = uvec3(clamp(encoded(pixel, sum, a, b), 0.0, 1.0) * 255.0 + 0.5);
+  float behind = 0.0;
+  if (job.covers != 0u && job.shown == kShowColor) behind = transparency(pixel, probe) * squares(uvec2(at));
+  uvec3 bytes = uvec3(clamp(encoded(pixel, sum, a, b, behind), 0.0, 1.0) * 255.0 + 0.5);
   if (job.bgra != 0u) bytes = bytes.bgr;
   screen[index] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;
 }

@@ -20,6 +20,9 @@ GPU_CONSTANT uint kShowColor = 0u, kShowAlbedo = 1u, kShowNormal = 2u, kShowDept
                   kShowTriangles = 15u, kShowInstances = 16u, kShowMaterials = 17u; // 11: drawn by the host
 GPU_CONSTANT uint kTonemapNone = 0u, kTonemapAces = 1u, kTonemapAgx = 2u, kTonemapNeutral = 3u;
 
+// Radiance after exposure of the squares behind what is transparent, 8 pixels wide.
+GPU_CONSTANT float kDarkSquare = 0.15f, kBrightSquare = 0.25f;
+
 // Push constants of display.comp, which has a binding set of its own.
 struct DisplayJob {
   uint width; // of the screen
@@ -41,6 +44,7 @@ struct DisplayJob {
   uint first_column; // first column of the screen that is drawn
   uint groups;       // number of groups of lights, which are mixed; 0 = the picture is shown as it is
   uint gains[8];     // their gains: two halves a word, packHalf2x16
+  uint covers;       // 1: the film has sums of transparency, and squares are shown behind what is transparent
 };
 
 #ifdef __cplusplus

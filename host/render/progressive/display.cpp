@@ -7,6 +7,7 @@
 
 #include "host/gpu/commands.h"
 #include "kernels/display/display.spv.h"
+#include "kernels/film/cover_types.h"
 
 namespace wavepath {
 namespace {
@@ -16,12 +17,13 @@ constexpr std::uint32_t kDispatchPixels = 1u << 18;
 static_assert(kDispatchPixels % gpu::kWorkgroupSize == 0);
 
 std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& splats, const Buffer& groups,
-                                 const Buffer& screen) {
+                                 const Buffer& cover, const Buffer& screen) {
   return {{gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film},
           {gpu::kBindFilmAovs, BindingKind::texels_rgba32f, &aovs},
           {gpu::kBindFilmAovWords, BindingKind::texels_rgba32ui, &aovs},
           {gpu::kBindSplats, BindingKind::storage, &splats},
           {gpu::kBindFilmGroups, BindingKind::storage, &groups},
+          {gpu::kBindFilmCover, BindingKind::storage, &cover},
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
@@ -50,7 +52,7 @@ std::vector<std::string> aovs_for(Shown shown) {
 
 Display::Display(Device& device) : device_(device), pixels_(device, 0) {
   const Buffer dummy(device, 0);
-  const BindingSet bindings(device, bindings_of(dummy, dummy, dummy, dummy, dummy), sizeof(gpu::DisplayJob));
+  const BindingSet bindings(device, bindings_of(dummy, dummy, dummy, dummy, dummy, dummy), sizeof(gpu::DisplayJob));
   kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
 }
 
@@ -72,6 +74,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.bgra = options.bgra ? 1 : 0;
   job.first_column = first_column;
   job.splats = shape.splats ? 1 : 0;
+  job.covers = shape.cover ? 1 : 0;
   job.probes = shape.probes();
   job.seed = shape.seed;
   job.gain = static_cast<float>(std::exp2(options.exposure));
@@ -105,7 +108,8 @@ void Display::show(const Picture& picture, bool bgra) {
 
 void Display::draw_band(const FilmBand& band, gpu::DisplayJob job) {
   const Buffer& groups = job.groups > 0 ? band.groups : pixels_; // whichever: without groups nobody reads it
-  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, band.splats, groups, pixels_),
+  const Buffer& cover = job.covers > 0 ? band.cover : pixels_;
+  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, band.splats, groups, cover, pixels_),
                             sizeof(gpu::DisplayJob));
   Commands commands(device_);
   commands.bind(bindings);
