@@ -31,6 +31,9 @@
 #include "tests/run_wavepath.h"
 #include "tests/shadow_scene.h"
 #include "tests/temporary_folder.h"
+#ifdef WAVEPATH_VIEWER
+#include "host/view/render_line.h"
+#endif
 
 namespace wavepath::test {
 namespace {
@@ -109,6 +112,21 @@ TEST(LightGroups, RefusesNamesOfNoLight) {
   EXPECT_THROW(find_light_groups(dark, {"environment"}), UsageError);
   dark.lights[1].intensity = glm::vec3(0.0f);
   EXPECT_THROW(find_light_groups(dark, {"sun"}), UsageError);
+}
+
+// What info tells: lamps by their nodes, surfaces by material and node, each once.
+TEST(LightGroups, ListTheirLights) {
+  const Scene room = lit_room();
+  EXPECT_EQ(light_names(room), (Names{"Key.001", "sun", "glow", "sign", "environment"}));
+  const std::vector<Names> lights = lights_of(room, find_light_groups(room, {"right", "Key", "glow"}));
+  ASSERT_EQ(lights.size(), 4u);
+  EXPECT_EQ(lights[0], (Names{"glow on right"}));
+  EXPECT_EQ(lights[1], (Names{"Key.001"}));
+  EXPECT_EQ(lights[2], (Names{"glow on left", "glow on third"}));
+  EXPECT_EQ(lights[3], (Names{"sun", "sign on board", "environment"}));
+  EXPECT_EQ(in_short(Names(12, "a")).find("more"), std::string::npos);
+  EXPECT_EQ(in_short(Names(15, "a")), "a, a, a, a, a, a, a, a, a, a, a, a, and 3 more");
+  EXPECT_EQ(in_short({}), "");
 }
 
 // At most 16, the last of which holds what is left.
@@ -548,6 +566,61 @@ TEST_F(GroupProgram, ACommandRepeatsThemAndStatsTellTheirShares) {
   ASSERT_EQ(run_program({"/bin/sh", "-c", line}, {.folder = folder_.path().string()}).exit_code, 0) << line;
   expect_same_bits("again.exr", "whole.exr");
 }
+
+TEST_F(GroupProgram, InfoListsThemOrTheNamesThatTheyMayHave) {
+  const auto told = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"info", scene(), "--env", "black"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  };
+  const Json without = Json::parse(told({"--json"}))["lights"];
+  EXPECT_TRUE(without["groups"].is_null());
+  EXPECT_EQ(without["names"], (Json{"Key", "Fill light", "glow"}));
+  EXPECT_NE(told({}).find("\n  named       Key, Fill light, glow\n"), std::string::npos);
+  const Json groups = Json::parse(told({"--json", "--light-groups", "Fill light,glow"}))["lights"]["groups"];
+  ASSERT_EQ(groups.size(), 3u);
+  EXPECT_EQ(groups[0]["layer"], "group.Fill_light");
+  EXPECT_EQ(groups[1]["lights"], Json{"glow"});
+  EXPECT_EQ(groups[2], (Json{{"name", "rest"}, {"layer", "group.rest"}, {"lights", {"Key"}}}));
+  EXPECT_NE(told({"--light-groups", "Fill light"}).find("\n  group       rest: Key, glow\n"), std::string::npos);
+  const Outcome refused = run({"info", scene(), "--light-groups", "nobody"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("Key, Fill light, glow"), std::string::npos) << refused.err;
+}
+
+#ifdef WAVEPATH_VIEWER
+// The picture that the window saves is that of the line which it copies.
+TEST_F(GroupProgram, TheCopiedLineOfAMixRepeatsIt) {
+  ASSERT_EQ(render("whole.exr", {"--light-groups", "Fill light,glow", "--reuse", "off"}).exit_code, 0);
+  RenderPlan settings;
+  settings.integrator = find_integrator("path");
+  settings.width = 48, settings.height = 32, settings.last_sample = 12;
+  settings.reuse = kReuseOff;
+  settings.light_groups = {"Fill light", "glow"}, settings.group_names = {"Fill light", "glow", "rest"};
+  DisplayOptions display{.exposure = 0.5, .tonemap = Tonemap::aces};
+  display.group_gains = {1.0f, 1.0f, 1.0f};
+  const std::string plain = render_line(scene(), {}, settings, display, " --env black");
+  EXPECT_EQ(plain.find("relight"), std::string::npos) << plain;
+  EXPECT_NE(plain.find(" --exposure 0.5 --tonemap aces"), std::string::npos) << plain;
+
+  display.group_gains = {0.3f, 1.0f, 2.25f};
+  const std::string line = render_line(scene(), {}, settings, display, " --env black");
+  EXPECT_NE(line.find(" && wavepath relight light_groups.exr --gain 'Fill light=0.3' --gain rest=2.25 --exposure 0.5"),
+            std::string::npos)
+      << line;
+  const std::string words =
+      fmt::format("wavepath() {{ {} \"$@\" -q; }}; {} -o mix.exr -o mix.png", WAVEPATH_BINARY, line);
+  const Outcome outcome = run_program({"/bin/sh", "-c", words}, {.folder = folder_.path().string()});
+  ASSERT_EQ(outcome.exit_code, 0) << words << outcome.err;
+  EXPECT_TRUE(exists("mix.png"));
+  Picture shown = read_picture(path("whole.exr"));
+  relight("whole.exr", settings.group_names, gains_of(settings, display), shown);
+  const Picture mix = read_picture(path("mix.exr"));
+  for (const char* c : {"R", "G", "B"}) EXPECT_EQ(find_channel(mix, c)->values, find_channel(shown, c)->values) << c;
+}
+#endif
 
 // The mix of scaled layers is the sum of those that it holds, whatever their names.
 TEST_F(GroupProgram, RelightWritesTheNewMix) {

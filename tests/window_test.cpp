@@ -258,7 +258,8 @@ TEST_F(Window, CopiesLinesThatRepeatWhateverLightsTheScene) {
       {kCornell, {"--lights", "tree"}},                        // of few lights, of which auto makes none
       {showcase, {"--env", "0.5,0.6,0.7", "--direct", "nee"}}, // which looks for a sky of one colour
       {kCornell, {"--aov", "variance"}},                       // whose samples are split between two replicates
-      {kCornell, {"--half", "--layers", "blender"}},           // which files say that are saved
+      {kCornell, {"--light-groups", "each"}},
+      {kCornell, {"--half", "--layers", "blender"}}, // which files say that are saved
       {kCornell, {"--projection", "fisheye", "--fov", "150", "--shift", "0.1,0"}},
   };
   int number = 0;

@@ -11,6 +11,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
+#include "host/film/group_layers.h"
 #include "host/gpu/device.h"
 #include "host/gpu/device_choice.h"
 #include "host/plan/bvh_quality.h"
@@ -222,6 +223,25 @@ void print_cameras(const Json& about, const RenderPlan& settings) {
   print_view(about["camera"]);
 }
 
+// Groups of --light-groups, or null.
+Json describe_groups(const Scene& scene, const std::vector<std::string>& asked) {
+  if (asked.empty()) return nullptr;
+  const LightGroups groups = find_light_groups(scene, asked);
+  const std::vector<std::string> layers = group_layers(groups.names);
+  const std::vector<std::vector<std::string>> lights = lights_of(scene, groups);
+  Json list = Json::array();
+  for (std::size_t g = 0; g < lights.size(); ++g)
+    list.push_back({{"name", groups.names[g]}, {"layer", layers[g]}, {"lights", lights[g]}});
+  return list;
+}
+
+void print_groups(const Json& lights) {
+  const auto words = [](const Json& list) { return in_short(list.get<std::vector<std::string>>()); };
+  if (lights["groups"].is_null() && !lights["names"].empty()) print_out("  named       {}\n", words(lights["names"]));
+  for (const Json& group : lights["groups"])
+    print_out("  group       {}: {}\n", group["name"].get<std::string>(), words(group["lights"]));
+}
+
 std::string soft_text(const Json& soft) {
   std::vector<std::string> extents;
   if (soft.is_null()) return {};
@@ -246,6 +266,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions, 
   print_out("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
             number(lights["emissive_triangles"]),
             lights["environment"].get<bool>() ? "an environment" : "no environment");
+  print_groups(lights);
   if (const std::string soft = soft_text(lights["soft"]); !soft.empty()) print_out("  soft        {}\n", soft);
   if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
   std::vector<std::string> cameras;
@@ -320,6 +341,8 @@ int run_scene(InfoCommandRequest& request) {
   Json about = describe(request.scene.path, scene, planned, packed);
   about["lights"]["by_rule"] = loaded.light;
   about["lights"]["soft"] = lamp_extents_json(packed);
+  about["lights"]["names"] = light_names(scene);
+  about["lights"]["groups"] = describe_groups(scene, settings.light_groups);
   const Json views = describe_views(scene, loaded.framing, request.scene.view, settings);
   for (std::size_t i = 0; i < views.size(); ++i) about["cameras"][i]["view"] = views[i];
   about["camera"] = camera_json(view, settings.width, settings.height);

@@ -1,5 +1,5 @@
-// Cases of lights: tiny, touching, a sun's strength or ten decades apart, three estimators that must agree, and light
-// that bounces.
+// Cases of lights: tiny, touching, a sun's strength or ten decades apart, three estimators that must agree, light that
+// bounces, and lamps with an extent.
 #include <cmath>
 #include <numbers>
 
@@ -139,6 +139,82 @@ Measurement shared_paths(const SelftestContext& context) {
   return indirect_light(context, settings);
 }
 
+PunctualLight soft_sphere(const glm::dvec3& position, double radius, double intensity) {
+  PunctualLight lamp;
+  lamp.position = position;
+  lamp.extent = radius;
+  lamp.intensity = glm::vec3(static_cast<float>(intensity));
+  return lamp;
+}
+
+// At the zenith, or at this angle to it.
+PunctualLight soft_sun(double degrees, double tilt = 0.0) {
+  PunctualLight sun;
+  sun.kind = LightKind::directional;
+  sun.direction = {std::sin(tilt), -std::cos(tilt), 0.0};
+  sun.extent = glm::radians(0.5 * degrees);
+  return sun;
+}
+
+void measure_soft(const SelftestContext& context, Studio& studio, const Scene& scene, double irradiance,
+                  const std::string& label, Worst& worst) {
+  for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee}) {
+    RenderPlan settings = square(16, context.full ? 2048 : 256, 1);
+    settings.direct = direct;
+    worst.add(studio.measure(scene, settings), irradiance / pi, kLightRounding * irradiance,
+              label + (direct == gpu::kDirectMis ? ", mis" : ", nee"));
+  }
+}
+
+// An extent changes neither what a surface receives that sees all of a lamp, nor does it darken what a mirror shows.
+Measurement soft_lamps(const SelftestContext& context) {
+  Studio studio(context);
+  Worst worst;
+  const glm::dvec3 at(0.6, 2.0, -0.5);
+  for (const double radius : {1e-9, 1e-3, 1.0, 1.99}) {
+    Scene scene = receiver(1e-3);
+    scene.lights = {soft_sphere(at, radius, 1.0)};
+    measure_soft(context, studio, scene, at.y / std::pow(glm::length(at), 3.0), fmt::format("radius {:g} m", radius),
+                 worst);
+  }
+  for (const double degrees : {1e-6, 0.53, 89.0}) {
+    Scene scene = receiver();
+    scene.lights = {soft_sun(degrees, 0.7)};
+    measure_soft(context, studio, scene, std::cos(0.7), fmt::format("a sun {:g} degrees across", degrees), worst);
+  }
+  for (const bool is_sun : {false, true}) {
+    const double extent = 0.5;
+    Scene scene;
+    add_triangles(scene, floor_quad(1.0f), add_metal(scene, 0.0f));
+    look_down(scene, kExtent, 0.05);
+    scene.lights = {is_sun ? soft_sun(glm::degrees(2.0 * extent)) : soft_sphere({0, 2, 0}, extent, 1.0)};
+    const double size = is_sun ? std::sin(extent) : extent, expected = 1.0 / (pi * size * size);
+    worst.add(studio.measure(scene, square(16, 16, 1)), expected, 1e-5 * expected,
+              is_sun ? "a sun in a mirror" : "a sphere in a mirror");
+  }
+  return worst.judge();
+}
+
+// The shadow of a half-plane 2 m above the receiver, from nearly all to nearly none of a lamp 16 degrees across.
+Measurement penumbrae(const SelftestContext& context) {
+  const double half_angle = glm::radians(8.0), reach = std::tan(half_angle), distance = 5.0;
+  Studio studio(context);
+  Worst worst;
+  for (const double place : {-0.9, -0.4, 0.0, 0.6, 0.8}) {
+    const double slope = place * reach, expected = sun_past_edge(half_angle, slope);
+    Scene scene = receiver();
+    const auto edge = static_cast<float>(2.0 * slope);
+    add_triangles(scene, quad({edge - 50.0f, 2, -50}, {0, 0, 100}, {50, 0, 0}), add_lambert(scene, glm::vec3(0.0f)));
+    for (const bool is_sun : {false, true}) {
+      scene.lights = {is_sun ? soft_sun(glm::degrees(2.0 * half_angle))
+                             : soft_sphere({0, distance, 0}, distance * std::sin(half_angle), distance * distance)};
+      measure_soft(context, studio, scene, expected,
+                   fmt::format("{} at {:g} of its penumbra", is_sun ? "a sun" : "a sphere", place), worst);
+    }
+  }
+  return worst.judge();
+}
+
 constexpr SelftestCase kLightCases[] = {
     {31, "tiny bright light", "small lamps come out too bright or too dark, or sprinkle the picture with fireflies",
      tiny_light},
@@ -147,6 +223,9 @@ constexpr SelftestCase kLightCases[] = {
     {44, "three estimators agree", "the picture depends on --direct by more than noise", estimators_agree},
     {0, "indirect light, guided paths", "pictures with --guide are too dark or too bright", guided_paths},
     {0, "indirect light, shared paths", "pictures with --reuse are too dark or too bright", shared_paths},
+    {0, "soft lamps", "--lamp-radius and --sun-angle change the light of lamps, or what mirrors show of them",
+     soft_lamps},
+    {0, "penumbrae of soft lamps", "shadows under --lamp-radius and --sun-angle are too wide or too narrow", penumbrae},
 };
 
 } // namespace

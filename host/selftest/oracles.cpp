@@ -1,7 +1,9 @@
 // Closed forms and quadratures; see oracles.h.
 #include "host/selftest/oracles.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace wavepath {
 namespace {
@@ -33,6 +35,19 @@ double fresnel(double cosine, double eta) {
   const double s = (cosine - eta * refracted) / (cosine + eta * refracted);
   const double p = (eta * cosine - refracted) / (eta * cosine + refracted);
   return 0.5 * (s * s + p * p);
+}
+
+// By areas in the projection of directions onto the floor: there the sun is a disc and the edge half an ellipse.
+double sun_past_edge(double half_angle, double edge_slope) {
+  constexpr int kSteps = 4000;
+  const double radius = std::sin(half_angle);
+  double area = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double z = radius * (2.0 * (i + 0.5) / kSteps - 1.0), half = std::sqrt(radius * radius - z * z);
+    const double edge = edge_slope * std::sqrt((1.0 - z * z) / (1.0 + edge_slope * edge_slope));
+    area += std::clamp(half - edge, 0.0, 2.0 * half) * 2.0 * radius / kSteps;
+  }
+  return area / (std::numbers::pi * radius * radius);
 }
 
 } // namespace wavepath

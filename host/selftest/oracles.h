@@ -14,4 +14,8 @@ double irradiance(const Triangles& light);
 // critical angle.
 double fresnel(double cosine, double eta);
 
+// Fraction of a sun at the zenith, of this half angle in radians, that a point of a floor sees past a half-plane which
+// ends `edge_slope` times its own height beyond the point; negative: before it.
+double sun_past_edge(double half_angle, double edge_slope);
+
 } // namespace wavepath

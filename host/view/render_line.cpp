@@ -9,6 +9,20 @@
 #include "host/scene/staging/view_flags.h"
 
 namespace wavepath {
+namespace {
+
+// What the render of a mix is called, whose groups are apart.
+constexpr const char* kGroupsFile = "light_groups.exr";
+
+std::string tone_flags(const DisplayOptions& display) {
+  std::string flags;
+  if (!display.auto_exposure) flags += fmt::format(" --exposure {}", display.exposure);
+  if (display.tonemap != WriteOptions{}.tonemap)
+    flags += fmt::format(" --tonemap {}", kTonemapNames[static_cast<std::size_t>(display.tonemap)]);
+  return flags;
+}
+
+} // namespace
 
 std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderPlan& settings,
                         const DisplayOptions& display, const std::string& more) {
@@ -20,10 +34,19 @@ std::string render_line(const std::string& scene, const ViewRequest& camera, con
   without.aovs.clear();
   if (has_error_probes(without) != has_error_probes(settings) || settings.aov_through)
     line += fmt::format(" {}", flag_text(setting_named("aov"), settings));
-  if (!display.auto_exposure) line += fmt::format(" --exposure {}", display.exposure);
-  if (display.tonemap != WriteOptions{}.tonemap)
-    line += fmt::format(" --tonemap {}", kTonemapNames[static_cast<std::size_t>(display.tonemap)]);
-  return line + more;
+  if (!display.mixes()) return line + tone_flags(display) + more;
+  line += fmt::format("{} -o {} && wavepath relight {}", more, kGroupsFile, kGroupsFile);
+  for (const GroupGain& gain : gains_of(settings, display))
+    if (gain.factor.r != 1.0)
+      line += fmt::format(" --gain {}", shell_quoted(fmt::format("{}={}", gain.group, gain.factor.r)));
+  return line + tone_flags(display);
+}
+
+std::vector<GroupGain> gains_of(const RenderPlan& settings, const DisplayOptions& display) {
+  std::vector<GroupGain> gains;
+  for (std::size_t g = 0; g < settings.group_names.size(); ++g)
+    gains.push_back({settings.group_names[g], glm::dvec3(std::stod(fmt::format("{}", display.group_gains[g])))});
+  return gains;
 }
 
 } // namespace wavepath

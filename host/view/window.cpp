@@ -415,11 +415,7 @@ void Viewer::write(const std::string& path) {
 }
 
 void Viewer::mix_groups(const std::string& path, Picture& picture) const {
-  const std::vector<std::string>& names = panel_.settings.group_names;
-  std::vector<GroupGain> gains;
-  for (std::size_t g = 0; g < names.size(); ++g)
-    gains.push_back({names[g], glm::dvec3(double{panel_.display.group_gains[g]})});
-  relight(path, names, gains, picture);
+  relight(path, panel_.settings.group_names, gains_of(panel_.settings, panel_.display), picture);
 }
 
 bool Viewer::compares() const {

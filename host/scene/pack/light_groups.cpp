@@ -1,6 +1,7 @@
 #include "host/scene/pack/light_groups.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@ constexpr std::size_t kMostNamesTold = 12;
 // Something that shines, and the names by which it can be asked for; an empty one is no name.
 struct LightSource {
   std::string first, second;
+  std::string told; // as info lists it
   bool is_called(const std::string& name) const { return !name.empty() && (name == first || name == second); }
 };
 
@@ -49,30 +51,37 @@ void for_each_shining(const Scene& scene, Body body) {
 std::vector<LightSource> list_sources(const Scene& scene) {
   std::vector<LightSource> sources;
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    if (shines(scene.lights[i])) sources.push_back({name_of_lamp(scene, i), scene.lights[i].name});
+    if (shines(scene.lights[i])) {
+      const std::string name = name_of_lamp(scene, i);
+      sources.push_back({name, scene.lights[i].name, name});
+    }
   for_each_shining(scene, [&](const Instance& instance, std::uint32_t material) {
-    sources.push_back({name_of_material(scene, material), name_of_node(scene, instance.node)});
+    const std::string name = name_of_material(scene, material), node = name_of_node(scene, instance.node);
+    sources.push_back({name, node, node.empty() ? name : fmt::format("{} on {}", name, node)});
   });
-  if (scene.environment.present()) sources.push_back({kEnvironmentGroup, ""});
+  if (scene.environment.present()) sources.push_back({kEnvironmentGroup, "", kEnvironmentGroup});
   return sources;
 }
 
 // By their first names, each once.
 std::vector<std::string> names_of(const std::vector<LightSource>& sources) {
   std::vector<std::string> names;
+  std::unordered_set<std::string> known;
   for (const LightSource& source : sources)
-    if (std::ranges::count(names, source.first) == 0) names.push_back(source.first);
+    if (known.insert(source.first).second) names.push_back(source.first);
   return names;
 }
 
 [[noreturn]] void refuse_name(const std::string& name, const std::vector<LightSource>& sources) {
-  std::vector<std::string> known = names_of(sources);
-  const std::size_t more = known.size() - std::min(known.size(), kMostNamesTold);
-  known.resize(known.size() - more);
+  const std::vector<std::string> known = names_of(sources);
   throw UsageError("--light-groups", fmt::format("no light of the scene is called '{}'", name),
-                   known.empty() ? "the scene has no light"
-                                 : fmt::format("name some of: {}{}", fmt::join(known, ", "),
-                                               more > 0 ? fmt::format(", and {} more", more) : ""));
+                   known.empty() ? "the scene has no light" : fmt::format("name some of: {}", in_short(known)));
+}
+
+// The first of the groups that is called so.
+std::uint32_t group_called(const std::vector<std::string>& groups, const LightSource& source) {
+  const auto found = std::ranges::find_if(groups, [&](const std::string& name) { return source.is_called(name); });
+  return found == groups.end() ? kNoIndex : static_cast<std::uint32_t>(found - groups.begin());
 }
 
 } // namespace
@@ -91,10 +100,7 @@ LightGroups find_light_groups(const Scene& scene, const std::vector<std::string>
         refuse_name(name, sources);
   }
   const auto group_of = [&](const std::string& first, const std::string& second) {
-    const LightSource called{first, second};
-    const auto found =
-        std::ranges::find_if(groups.names, [&](const std::string& name) { return called.is_called(name); });
-    return found == groups.names.end() ? kNoIndex : static_cast<std::uint32_t>(found - groups.names.begin());
+    return group_called(groups.names, {first, second, {}});
   };
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
     groups.of_lamps.push_back(group_of(name_of_lamp(scene, i), scene.lights[i].name));
@@ -115,6 +121,25 @@ LightGroups find_light_groups(const Scene& scene, const std::vector<std::string>
                      fmt::format("makes {} groups with that of all other lights", groups.names.size()),
                      fmt::format("name at most {}", gpu::kMostLightGroups - 1));
   return groups;
+}
+
+std::vector<std::string> light_names(const Scene& scene) { return names_of(list_sources(scene)); }
+
+std::vector<std::vector<std::string>> lights_of(const Scene& scene, const LightGroups& groups) {
+  std::vector<std::vector<std::string>> lights(groups.names.size());
+  std::vector<std::unordered_set<std::string>> known(groups.names.size());
+  for (const LightSource& source : list_sources(scene)) {
+    const std::uint32_t called = group_called(groups.names, source);
+    const std::size_t group = called == kNoIndex ? groups.names.size() - 1 : called;
+    if (known[group].insert(source.told).second) lights[group].push_back(source.told);
+  }
+  return lights;
+}
+
+std::string in_short(const std::vector<std::string>& names) {
+  const std::size_t told = std::min(names.size(), kMostNamesTold);
+  return fmt::format("{}{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(told), ", "),
+                     told < names.size() ? fmt::format(", and {} more", names.size() - told) : "");
 }
 
 std::vector<std::string> find_group_names(const Scene& scene, const std::vector<std::string>& asked) {

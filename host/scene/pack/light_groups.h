@@ -29,6 +29,15 @@ struct LightGroups {
 // group kOtherLights, which is there if it has a light. Throws UsageError if a name has no light.
 LightGroups find_light_groups(const Scene& scene, const std::vector<std::string>& asked);
 
+// Names by which each light of the scene makes a group of its own, as kEachLight names them.
+std::vector<std::string> light_names(const Scene& scene);
+
+// By group, in the order of groups.names: its lamps by node, its surfaces as "MATERIAL on NODE", its environment.
+std::vector<std::vector<std::string>> lights_of(const Scene& scene, const LightGroups& groups);
+
+// The first of the names in one line, and how many more there are.
+std::string in_short(const std::vector<std::string>& names);
+
 // Their names alone; none if none is asked for.
 std::vector<std::string> find_group_names(const Scene& scene, const std::vector<std::string>& asked);
 
