@@ -26,6 +26,7 @@
 #include "kernels/bidirectional/receiver.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
+#include "kernels/light/lamp_search.glsl"
 #include "kernels/path/cover.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/first_hit.glsl"
@@ -211,11 +212,11 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
   if (!has_lobe(kFeatureSoftLamps) || !has_soft_lamps()) return;
   if (wave.bounce == 0u || !uses_technique(kTechniqueHit)) return;
   float merged = merge_met_light(fetch_merge(ray.slot), path.bsdf_pdf);
-  for (uint i = frame.local_light_count; i > 0u;) {
-    float distance_;
-    if (is_before_spheres(--i, ray.origin, ray.direction, distance_)) break;
-    if (distance_ < end) add_lamp(ray, i, distance_, merged, path);
-  }
+  LampSearch search = begin_lamp_search();
+  uint met;
+  float distance_;
+  while (next_lamp(search, ray.origin, ray.direction, end, met, distance_))
+    if (distance_ < end) add_lamp(ray, met, distance_, merged, path);
   for (uint i = frame.local_light_count; i < frame.light_count && end == kFar; ++i)
     if (is_in_cone(fetch_light(i), ray.direction)) add_lamp(ray, i, kFarAway, merged, path);
 }

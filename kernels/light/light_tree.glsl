@@ -113,14 +113,19 @@ struct Fork {
   bool dead; // neither can contribute
 };
 
-LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float importance) {
+LightCluster fetch_child(LightCluster at, uint k, out LightTreeChild child) {
   uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * (at.link & kLightIndexMask) + k));
-  LightTreeChild child = LightTreeChild(words.x, words.y, words.z, words.w);
+  child = LightTreeChild(words.x, words.y, words.z, words.w);
   vec4 box0 = unpackUnorm4x8(child.box0), box1 = unpackUnorm4x8(child.box1);
   vec3 size = at.hi - at.lo;
-  vec3 lo = at.lo + size * box0.xyz, hi = at.lo + size * vec3(box0.w, box1.xy);
-  importance = subtree_importance(receiver, lo, hi, child);
-  return LightCluster(lo, child.link, hi, at.depth + 1u);
+  return LightCluster(at.lo + size * box0.xyz, child.link, at.lo + size * vec3(box0.w, box1.xy), at.depth + 1u);
+}
+
+LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float importance) {
+  LightTreeChild child;
+  LightCluster below = fetch_child(at, k, child);
+  importance = subtree_importance(receiver, below.lo, below.hi, child);
+  return below;
 }
 
 // A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or
@@ -184,6 +189,63 @@ LightWalk draw_from_cluster(Receiver receiver, uint branches, inout Draw draw) {
 LightWalk walk_to(Receiver receiver, uint branches) {
   Draw none = Draw(0u, 1u, 0u);
   return walk_lights(receiver, branches, false, false, none);
+}
+
+// ---- lights along a ray -----------------------------------------------------------------------------------------
+
+// A search of the tree, without a stack: branches as above, and the depths at which the second child is still to be
+// looked at. A return to one of them goes down again from the root.
+struct LightSearch {
+  uint branches, open, known; // known: branches that are followed without a look at their boxes
+  bool ended;
+};
+
+LightSearch begin_light_search() { return LightSearch(0u, 0u, 0u, false); }
+
+// True if a ray comes as near to the box as this, within its length. Boxes are widened by more than the rounding.
+bool passes_box(LightCluster at, float radius, vec3 from, vec3 direction, float end) {
+  vec3 wide = vec3(1.01 * radius) + 1e-5 * (abs(at.lo - from) + abs(at.hi - from));
+  vec3 inverse = 1.0 / mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));
+  vec3 a = (at.lo - wide - from) * inverse, b = (at.hi + wide - from) * inverse;
+  vec3 near = min(a, b), far = max(a, b);
+  return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
+}
+
+// To the deepest second child that is left.
+void turn_back(inout LightSearch search) {
+  search.ended = search.open == 0u;
+  if (search.ended) return;
+  uint depth = uint(findMSB(search.open)), bit = 1u << depth;
+  search.open ^= bit;
+  search.branches = (search.branches & (bit - 1u)) | bit;
+  search.known = depth + 1u;
+}
+
+// The next light whose position is within `radius` of the ray, or not much farther; kNone: no more.
+uint next_light_along(inout LightSearch search, float radius, vec3 from, vec3 direction, float end) {
+  LightCluster at = fetch_light_root();
+  while (!search.ended && (at.link & kLightLeaf) == 0u) {
+    bool second = (search.branches >> at.depth & 1u) != 0u, dead = false;
+    LightTreeChild ignored;
+    if (at.depth >= search.known) {
+      LightCluster child = fetch_child(at, 0u, ignored), other = fetch_child(at, 1u, ignored);
+      bool first = passes_box(child, radius, from, direction, end);
+      second = passes_box(other, radius, from, direction, end);
+      dead = !first && !second;
+      if (first && second) search.open |= 1u << at.depth;
+      if (second && !first) search.branches |= 1u << at.depth;
+      second = second && !first;
+    }
+    if (!dead) {
+      at = fetch_child(at, second ? 1u : 0u, ignored);
+    } else {
+      turn_back(search);
+      at = fetch_light_root();
+    }
+  }
+  if (search.ended) return kNone;
+  turn_back(search);
+  return at.link & kLightIndexMask;
 }
 
 #endif

@@ -59,16 +59,13 @@ vec3 lamp_radiance(Light light, vec3 direction, float distance_) {
 }
 
 #ifdef BIND_LIGHTS
-// Soft spheres are the last of the local lights, and have one radius: true if there is none at this index, nor before
-// it. `distance_`: as above.
-bool is_before_spheres(uint index, vec3 from, vec3 direction, out float distance_) {
-  distance_ = kFar;
-  uvec4 position_kind = texelFetch(light_texels, int(index * kLightTexels));
-  float radius = uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
-  if (position_kind.w == kLightTriangle || radius == 0.0) return true;
-  distance_ = distance_to_lamp(uintBitsToFloat(position_kind.xyz), radius, from, direction);
-  return false;
+// Of a local light by its index; 0 for triangles, which have other values in that place.
+float sphere_radius(uint index) {
+  if (texelFetch(light_texels, int(index * kLightTexels)).w == kLightTriangle) return 0.0;
+  return uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
 }
+
+vec3 light_position(uint index) { return uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels)).xyz); }
 #endif
 
 // True if the direction is one of a directional light's.

@@ -5,6 +5,7 @@
 #define WAVEPATH_PATH_LAMPS_GLSL
 
 #include "kernels/light/emission.glsl"
+#include "kernels/light/lamp_search.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/cover.glsl"
 #include "kernels/path/found_light.glsl"
@@ -29,15 +30,16 @@ void add_lamp(inout PathState path, uint slot, uint index, vec3 light) {
   if (HAS_LIGHT_GROUPS) add_to_group(group_of_light(index), slot, light);
 }
 
-// Spheres before the ray has gone `end` metres. They come last among the local lights.
+// Spheres before the ray has gone `end` metres.
 void meet_lamps(Ray ray, float end, inout PathState path) {
   if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path, ray.slot)) return;
   vec3 from = ray.origin;
   if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
   float begun = uses(kFeaturePanes) ? length(ray.origin - from) : 0.0;
-  for (uint i = frame.local_light_count; i > 0u;) {
-    float distance_;
-    if (is_before_spheres(--i, from, ray.direction, distance_)) break;
+  LampSearch search = begin_lamp_search();
+  uint i;
+  float distance_;
+  while (next_lamp(search, from, ray.direction, begun + end, i, distance_)) {
     if (!(distance_ >= begun && distance_ - begun < end && distance_ < kFar)) continue;
     Light light = fetch_light(i);
     vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
