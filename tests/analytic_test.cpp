@@ -12,13 +12,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/film/film.h"
 #include "host/render/render.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
 #include "host/selftest/oracles.h"
+#include "host/session/resolve.h"
 #include "tests/probe.h"
 #include "tests/shared_kernels.h"
 

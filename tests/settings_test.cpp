@@ -16,11 +16,11 @@
 #include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
-#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/session/resolve.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
 #endif

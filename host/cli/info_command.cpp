@@ -9,7 +9,6 @@
 #include "host/cli/flags.h"
 #include "host/cli/plan_report.h"
 #include "host/cli/render_flags.h"
-#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/film/group_layers.h"
 #include "host/gpu/device.h"
@@ -28,6 +27,7 @@
 #include "host/render/workspace/workspace.h"
 #include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
+#include "host/session/resolve.h"
 
 namespace wavepath {
 namespace {

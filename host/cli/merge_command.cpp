@@ -23,6 +23,7 @@
 #include "host/picture/place.h"
 #include "host/render/denoised.h"
 #include "host/render/settings/identity.h"
+#include "host/session/judge.h"
 
 namespace wavepath {
 namespace {

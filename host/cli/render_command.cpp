@@ -3,9 +3,9 @@
 
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
+#include "host/cli/motion_flags.h"
 #include "host/cli/render_finish.h"
 #include "host/cli/render_flags.h"
-#include "host/cli/render_prepare.h"
 #include "host/cli/render_request.h"
 #include "host/cli/render_run.h"
 #include "host/cli/scene_flags.h"

@@ -11,17 +11,16 @@
 #include "host/base/process_clock.h"
 #include "host/cli/commands.h"
 #include "host/cli/interrupt.h"
-#include "host/cli/repeat.h"
 #include "host/cli/report.h"
-#include "host/cli/resume.h"
 #include "host/gpu/pipeline_cache.h"
-#include "host/passes/passes.h"
 #include "host/render/denoised.h"
 #include "host/render/report/diagnosis.h"
-#include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/pass_names.h"
 #include "host/render/settings/settings_table.h"
 #include "host/scene/pack/pick.h"
+#include "host/session/finish.h"
+#include "host/session/repeat.h"
+#include "host/session/resume.h"
 
 namespace wavepath {
 namespace {
@@ -70,59 +69,12 @@ bool reports_bias(const RenderCommandRequest& request) {
   return !request.output.stats.empty() || request.output.json || request.output.verbose;
 }
 
-// Then there is no time, or no device, to find out more.
-bool ended_early(const RenderResult& result) {
-  return result.stop == StopReason::interrupted || result.stop == StopReason::device_lost;
-}
-
-// The first device that was not lost, for what is measured after the render.
-RenderingDevice surviving(const Prepared& prepared, const MultiDeviceResult* shared) {
-  for (std::size_t i = 1; shared && i < shared->device_work.size() && shared->device_work.front().lost; ++i)
-    if (!shared->device_work[i].lost)
-      return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
-  return {prepared.device.get(), prepared.kernels.get()};
-}
-
-// What light is missing, where a report tells it. An interrupt ends the measurement, not the command.
-MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
-                           const MultiDeviceResult* shared) {
-  MissingLight missing;
-  if (!reports_bias(request) || ended_early(result)) return missing;
-  const RenderPlan& settings = prepared.plan.settings;
-  const RenderingDevice on = surviving(prepared, shared);
-  SceneOnDevice elsewhere;
-  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
-  const auto go_on = [](const Progress&) { return !interrupted(); };
-  constexpr const char* kWhat = "how much light is missing was";
-  if (settings.integrator->measures_depth_cut) // its paths are cut
-    missing.no_cut = why_not_measured(prepared, kWhat, [&] {
-      missing.cut =
-          measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
-    });
-  missing.no_lost = why_not_measured(prepared, kWhat, [&] {
-    missing.lost =
-        measure_lost_light(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
-  });
-  return missing;
-}
-
-// Passes of --aov, which need no sample. An interrupt that comes meanwhile ends them. One that has ended the render
-// does not, since they take little beside it; nor in a film, where a picture without them would be taken for the frame.
-void add_passes_if_asked(const RenderCommandRequest& request, Prepared& prepared, RenderResult& result,
-                         const MultiDeviceResult* shared) {
-  RenderPlan settings = prepared.plan.settings;
-  if (std::ranges::none_of(settings.aovs, is_pass)) return;
-  settings.last_sample = settings.first_sample + std::max(result.spp, 1u);
-  const RenderingDevice on = surviving(prepared, shared);
-  SceneOnDevice elsewhere;
-  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+// An interrupt that comes meanwhile ends passes. One that has ended the render does not, since they take little beside
+// it; nor in a film, where a picture without them would be taken for the frame.
+void add_passes(const RenderCommandRequest& request, Prepared& prepared, RenderResult& result,
+                const MultiDeviceResult* shared) {
   const bool goes_on = interrupted() || request.frame.has_value();
-  why_not_measured(prepared, "passes of --aov were", [&] {
-    if (!add_passes(
-            *on.device, prepared.packed, prepared.view, settings, prepared.motion, *on.kernels, on_device,
-            [=] { return goes_on || !interrupted(); }, result.picture))
-      prepared.warnings.add("interrupted before all passes of --aov were found");
-  });
+  add_passes_if_asked(prepared, result, shared, [=] { return goes_on || !interrupted(); });
 }
 
 // What a report tells without measuring more.
@@ -131,7 +83,8 @@ Run run_of(const RenderCommandRequest& request, const Prepared& prepared, const 
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   run.plan = prepared.plan.decisions;
   add_outcomes(run.plan, result);
-  run.repeat = repeat_command(request, prepared, result);
+  run.repeat = repeat_command(request.scene, request.render, request.motion, prepared, result);
+  if (!run.repeat.empty()) run.repeat += layout_flags(request.output.write, request.output.pictures);
   run.frame = request.frame;
   run.view = &prepared.view;
   run.load_seconds = prepared.load_seconds;
@@ -192,13 +145,15 @@ std::unique_ptr<Unwritten> end_render(const RenderCommandRequest& request, Prepa
   const MultiDeviceResult* shared = ended->rendered.shared ? &*ended->rendered.shared : nullptr;
   ended->attempts.attempt([&] { denoise_if_asked(result, settings); });
   const Clock::time_point passes_start = Clock::now();
-  add_passes_if_asked(request, prepared, result, shared);
+  add_passes(request, prepared, result, shared);
   const double pass_seconds = seconds_since(passes_start);
   show(request, prepared, result.picture);
   Run& run = ended->run.emplace(run_of(request, prepared, settings, result));
   if (std::ranges::any_of(settings.aovs, is_pass)) run.pass_seconds = pass_seconds;
   run.shared = shared;
-  run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, shared));
+  MissingLight missing;
+  if (reports_bias(request)) missing = measure_missing_light(prepared, result, shared, [] { return !interrupted(); });
+  run.bias = list_bias(settings, prepared.packed, result, missing);
   if (reference && result.denoised)
     why_not_measured(prepared, "the true error of the filtered picture was",
                      [&] { run.denoised_error = measure_true_error(shown_picture(result.picture), *reference); });

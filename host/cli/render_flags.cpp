@@ -106,10 +106,6 @@ std::vector<std::string> spelled_out(std::vector<std::string> words) {
   return words;
 }
 
-bool is_given(const RenderRequest& request, std::string_view setting) {
-  return std::ranges::count(request.given, setting) > 0;
-}
-
 void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
                   std::span<const HelpOverride> help_overrides, const char* heading) {
   if (!heading) heading = heading_of(group);

@@ -8,15 +8,12 @@
 #include <string_view>
 #include <vector>
 
-#include "bvh/build.h"
 #include "host/cli/flags.h"
 #include "host/picture/files/picture_io.h"
-#include "host/render/render.h"
 #include "host/render/settings/setting.h"
+#include "host/session/requests.h"
 
 namespace wavepath {
-
-inline constexpr std::uint32_t kOpenEndedSamples = 65536; // samples of a render that ends by time, error or the user
 
 struct OutputRequest {
   std::vector<std::string> pictures; // .exr .hdr .png .jpg
@@ -27,38 +24,9 @@ struct OutputRequest {
   bool quiet = false, verbose = false, json = false;
 };
 
-// The flags --checkpoint and --resume: a state of the render, kept in a file from which a later render can continue.
-struct StateRequest {
-  std::string file;       // empty = none
-  double interval = 30.0; // seconds between saves
-  bool resume = false;
-};
-
-struct RenderRequest {
-  RenderPlan settings;                 // its sample range is complete after resolve_samples() (resolve.h)
-  std::vector<std::string_view> given; // names of the settings that the command line has
-  // Tree quality that was asked for; empty = chosen from the number of rays (bvh_quality.h).
-  std::optional<bvh::Quality> bvh;
-  std::string device;
-  std::string devices;                    // text of --devices; empty = render on one device
-  std::vector<std::string> other_devices; // the devices that `devices` names besides `device`
-  std::optional<glm::dvec3> origin; // origin of the device's coordinates, in world space; empty = the camera's position
-  bool strict = false;
-  bool mergeable = false; // .exr outputs hold the exact sums
-  StateRequest state;
-  std::string plan_file; // stats, picture or state of an earlier render, whose decisions are repeated; empty = none
-  std::optional<std::uint64_t> training_paths;   // --training-paths; empty = chosen from the length of the render
-  std::optional<std::uint32_t> guide_iterations; // --guide-iterations; empty = chosen likewise
-  std::optional<glm::uvec2> pixel;               // pixel whose path is replayed
-  std::optional<std::uint32_t> sample;           // sample of that pixel; given if and only if `pixel` is
-  std::uint32_t replicate = 0;                   // replicate of that pixel
-};
-
 // Prepares the words of a command line for the parser. The parser would take the word after a flag for its value even
 // where the value is optional. So the implied value of such a flag is inserted.
 std::vector<std::string> spelled_out(std::vector<std::string> words);
-
-bool is_given(const RenderRequest& request, std::string_view setting);
 
 // Help of a setting where a command differs from the table of settings.
 struct HelpOverride {

@@ -8,13 +8,13 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/output_files.h"
-#include "host/cli/open_scene.h"
-#include "host/cli/resolve.h"
-#include "host/cli/resume.h"
 #include "host/codecs/picture_module.h"
 #include "host/picture/place.h"
 #include "host/render/report/plan_file.h"
 #include "host/render/settings/settings_table.h"
+#include "host/session/open_scene.h"
+#include "host/session/resolve.h"
+#include "host/session/resume.h"
 
 namespace wavepath {
 namespace {
@@ -92,7 +92,7 @@ std::optional<Picture> resolve(RenderCommandRequest& request) {
     require_file(request.scene.path);
   else
     check_files(request);
-  if (!request.render.plan_file.empty()) request.recorded = read_plan(request.render.plan_file);
+  if (!request.render.plan_file.empty()) request.render.recorded = read_plan(request.render.plan_file);
   return read_reference(request);
 }
 

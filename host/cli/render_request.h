@@ -5,13 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/motion_request.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/cli/sequence_request.h"
 #include "host/picture/picture.h"
-#include "host/plan/record.h"
 #include "host/render/report/stats.h"
+#include "host/session/motion_request.h"
 
 namespace wavepath {
 
@@ -22,7 +21,6 @@ struct RenderCommandRequest {
   RenderRequest render;
   OutputRequest output;
   std::string command_line;
-  std::optional<PlanRecord> recorded; // decisions read from the file of --plan; empty without --plan
   SequenceRequest sequence;
   MotionRequest motion;                // of a frame of a sequence: the frames beside it
   std::optional<FrameReport> frame;    // frame of the sequence that this render is; empty = no sequence

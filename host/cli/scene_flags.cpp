@@ -16,7 +16,6 @@
 #include "host/base/shell_quote.h"
 #include "host/cli/flags.h"
 #include "host/render/settings/setting.h"
-#include "host/scene/staging/catcher.h"
 #include "host/scene/staging/default_light.h"
 #include "host/scene/staging/environment.h"
 #include "host/scene/staging/ground.h"
@@ -46,50 +45,6 @@ double extent(const FlagValue& value, double least, double most) {
   const double number = value.number(0.0, most);
   if (number > 0.0 && number < least) value.refuse("is too small", fmt::format("give at least {}, or 0", least));
   return number;
-}
-
-Environment requested_environment(const SceneRequest& request) {
-  return load_environment(request.environment, request.environment_intensity,
-                          glm::radians(request.environment_degrees));
-}
-
-Environment requested_environment(SceneRequest request, DefaultLight light) {
-  request.environment = environment_name(light);
-  return requested_environment(request);
-}
-
-constexpr glm::dvec2 kUsualSun{60.0, 40.0}; // from the front and the right, as high as in an afternoon
-
-// A white floor that faces it has radiance 1.
-PunctualLight sun_at(const glm::dvec2& degrees) {
-  const double azimuth = glm::radians(degrees.x), elevation = glm::radians(degrees.y);
-  PunctualLight sun;
-  sun.name = "sun";
-  sun.kind = LightKind::directional;
-  sun.intensity = glm::vec3(std::numbers::pi_v<float>);
-  sun.direction = -glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
-                              std::cos(elevation) * std::sin(azimuth));
-  return sun;
-}
-
-// With a sun that was added, and in studies of the shadows of lamps, the lights that there are shine alone.
-DefaultLight rule_light(const SceneRequest& request, const Scene& scene, const LoadedScene& loaded) {
-  if (loaded.sun || (request.sun_if_unlit && is_lit(scene))) return DefaultLight::authored;
-  return choose_light(scene, loaded.framing.inside);
-}
-
-// `scene` is, or will be, that of `loaded`.
-void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
-  const DefaultLight light = rule_light(request, scene, loaded);
-  scene.environment = requested_environment(request, light);
-  loaded.light = reason(light);
-  loaded.room_lamp = light == DefaultLight::lamp;
-  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
-}
-
-void soften_lamps(const SceneRequest& request, Scene& scene) {
-  for (PunctualLight& light : scene.lights)
-    light.extent = light.kind == LightKind::directional ? glm::radians(0.5 * request.sun_angle) : request.lamp_radius;
 }
 
 } // namespace
@@ -164,7 +119,7 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
       {"--catcher", "ground|NODE",
        "shadow catcher, for pictures to be put over a photograph that shows this surface. Alpha is the share of its "
        "light that objects take, colour the light that they bring. ground: the floor of --ground, which it adds. "
-       "NODE: name or index of a node of the file, with all below it. Implies --transparent",
+       "NODE: name or index of a node of the file. Implies --transparent",
        "none", kAdvanced},
       [&](const FlagValue& value) {
         if (value.text.empty()) value.refuse("names nothing", "give ground, or a node of the file");
@@ -177,68 +132,6 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
             "--ground",
             "the moment of the picture", kAdvanced},
            [&](const FlagValue& value) { request.staged_at = value.number(-kLargest, kLargest); });
-}
-
-void check_shutter(const SceneRequest& request, RenderPlan& settings) {
-  settings.moving = request.load.shutter.has_value();
-  if (!settings.moving) return;
-  if (request.load.animation.empty())
-    throw UsageError("--shutter", "has no animation to show", "choose one with --animation");
-  if (!supports(*settings.integrator, "shutter"))
-    throw UsageError("--shutter", fmt::format("cannot be shown by --integrator {}", settings.integrator->name),
-                     fmt::format("use --integrator {}", supporters_text("shutter")));
-}
-
-void check_catcher(const SceneRequest& request, RenderPlan& settings) {
-  settings.catches = !request.catcher.empty();
-  settings.transparent |= settings.catches;
-  if (settings.catches && !supports(settings.integrator, "transparent"))
-    throw UsageError("--catcher", fmt::format("is not known to --integrator {}", name_of(settings.integrator)),
-                     "use --integrator path");
-}
-
-void check_camera(const ViewRequest& view, const RenderPlan& settings) {
-  check_view(view);
-  const bool panorama = view.projection == Projection::fisheye || view.projection == Projection::equirectangular;
-  if (panorama && settings.lens.aperture > 0.0)
-    throw UsageError("--aperture", "blurs about a plane of focus, which a panorama has not",
-                     "leave it out, or use --projection perspective");
-  const bool stacked = view.projection == Projection::equirectangular;
-  const std::uint32_t halved = stacked ? settings.height : settings.width;
-  if (view.stereo != 0.0 && halved % 2 != 0)
-    throw UsageError("--stereo", fmt::format("cannot halve a picture {} pixels {}", halved, stacked ? "high" : "wide"),
-                     "give an even --size");
-}
-
-std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan& settings,
-                                   const std::string& reference) {
-  std::vector<std::string> inputs = {request.path, settings.shadow_cookie, reference};
-  const bool builtin = std::ranges::count(kEnvironmentNames, request.environment) > 0;
-  std::error_code error;
-  if (!builtin && std::filesystem::exists(request.environment, error)) inputs.push_back(request.environment);
-  return inputs;
-}
-
-std::string flags_of(const SceneRequest& request) {
-  const LoadOptions& load = request.load;
-  std::string flags;
-  const auto add = [&flags](const char* flag, const std::string& value) {
-    if (!value.empty()) flags += fmt::format(" {} {}", flag, shell_quoted(value));
-  };
-  add("--scene", load.scene);
-  add("--animation", load.animation);
-  if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
-  if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
-  if (request.staged_at) add("--staged-at", fmt::format("{}", *request.staged_at));
-  add("--env", request.environment);
-  if (request.environment_intensity != 1.0) add("--env-intensity", fmt::format("{}", request.environment_intensity));
-  if (request.environment_degrees != 0.0) add("--env-rotation", fmt::format("{}", request.environment_degrees));
-  if (request.ground && request.catcher != "ground") flags += " --ground";
-  add("--catcher", request.catcher);
-  if (request.sun) flags += fmt::format(" --sun {},{}", request.sun->x, request.sun->y);
-  if (request.sun_angle > 0.0) flags += fmt::format(" --sun-angle {}", request.sun_angle);
-  if (request.lamp_radius > 0.0) flags += fmt::format(" --lamp-radius {}", request.lamp_radius);
-  return flags;
 }
 
 namespace {
@@ -348,79 +241,8 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   add_projection_flags(app, request);
 }
 
-namespace {
-
-// The floor of --ground comes last, since it follows the environment in a window.
-void stage_floor(const SceneRequest& request, const Framing& framing, Scene& scene) {
-  if (!request.catcher.empty()) add_catcher(scene, request.catcher);
-  if (request.ground) add_ground(scene, framing.bounds);
-  if (request.catcher == "ground") catch_ground(scene);
-  if (!request.catcher.empty()) warn_of_unlit_catcher(scene);
-}
-
-} // namespace
-
-LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
-  LoadedScene loaded;
-  SceneRequest staged = request;
-  if (request.staged_at) staged.load.at = *request.staged_at, staged.load.shutter.reset();
-  // Beside the scene: what reads pictures may have to be loaded itself.
-  std::future<Environment> environment;
-  if (!request.environment.empty())
-    environment = std::async(std::launch::async, [&] { return requested_environment(request); });
-  loaded.sun = request.sun;
-  loaded.file = std::make_shared<GltfFile>(request.path);
-  loaded.scene = loaded.file->load(staged.load, [&](Scene& scene) {
-    if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
-    if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
-    const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
-    if (unlit || request.ground || needs_framing(scene, request.view)) loaded.framing = find_framing(scene);
-    if (environment.valid())
-      scene.environment = environment.get();
-    else
-      light_by_rule(request, scene, loaded);
-    if (loaded.sun)
-      loaded.light = fmt::format("a sun (--sun {},{}){}", loaded.sun->x, loaded.sun->y,
-                                 scene.lights.size() > 1 ? ", and as authored" : "");
-    soften_lamps(request, scene);
-    stage_floor(request, loaded.framing, scene);
-    if (described) described(scene);
-  });
-  if (staged.load.at != request.load.at || staged.load.shutter != request.load.shutter) pose_again(request, loaded);
-  if (!stays_open) loaded.file.reset();
-  return loaded;
-}
-
-bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
-  Scene& scene = loaded.scene;
-  Environment environment = std::move(scene.environment);
-  scene = loaded.file->pose(request.load, std::move(scene));
-  scene.environment = std::move(environment);
-  if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
-  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
-  soften_lamps(request, scene);
-  stage_floor(request, loaded.framing, scene);
-  return loaded.file->is_still();
-}
-
 void print_light(const LoadedScene& loaded) {
   if (!loaded.light.empty()) print_err("wavepath: light: {}\n", loaded.light);
-}
-
-void relight(const SceneRequest& request, LoadedScene& loaded) {
-  Scene& scene = loaded.scene;
-  std::optional<Environment> environment;
-  if (!request.environment.empty()) environment = requested_environment(request);
-  if (loaded.room_lamp) scene.lights.pop_back();
-  loaded.room_lamp = false;
-  if (environment) {
-    scene.environment = *std::move(environment);
-  } else {
-    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
-    light_by_rule(request, scene, loaded);
-  }
-  soften_lamps(request, scene);
-  if (request.ground) relight_ground(scene);
 }
 
 } // namespace wavepath

@@ -23,9 +23,7 @@
 #include "host/cli/interrupt.h"
 #include "host/cli/progress.h"
 #include "host/cli/render_finish.h"
-#include "host/cli/render_prepare.h"
 #include "host/cli/render_run.h"
-#include "host/cli/resume.h"
 #include "host/plan/record.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/pass_names.h"
@@ -33,6 +31,7 @@
 #include "host/render/workspace/device_scene.h"
 #include "host/scene/bounds.h"
 #include "host/scene/pack/pack_memory.h"
+#include "host/session/resume.h"
 
 namespace wavepath {
 namespace {
@@ -222,7 +221,7 @@ bool Sequence::pose(RenderCommandRequest& one, std::uint32_t frame) {
   find(kMotionBackPass, -1.0, one.motion.previous);
   is_still &= pose_moment(one.scene);
   one.scene.view = turned_view(frame);
-  return is_still & pose_others(one, loaded_, prepared_);
+  return is_still & pose_others(one.scene, one.render.settings, one.motion, loaded_, prepared_);
 }
 
 // Poses and packs the scene, and brings it onto the device. `one` becomes the whole command of the frame.
@@ -234,7 +233,7 @@ void Sequence::prepare(RenderCommandRequest& one, std::uint32_t frame) {
   memory_.is_still = pose(one, frame);
   const double pose_seconds = seconds_since(start);
   memory_.packed = std::move(prepared_.packed);
-  pack_scene(one, loaded_, prepared_, &memory_);
+  pack_scene(one.scene, one.render, loaded_, prepared_, &memory_);
   const double pack_seconds = seconds_since(start) - pose_seconds;
   prepared_.load_seconds = seconds_since(start) - prepared_.packed.bvh_seconds;
   upload(one);
@@ -266,7 +265,7 @@ void Sequence::upload(const RenderCommandRequest& one) {
 void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
   const std::uint32_t decisive = frame - frame % kFramesOfPlan;
   const DeviceClass device = class_of(prepared_.device->info());
-  const bool decides = one.recorded || decisive == frame || !may_make_pilots(one.render.settings, device);
+  const bool decides = one.render.recorded || decisive == frame || !may_make_pilots(one.render.settings, device);
   if (!decides && (!plan_ || planned_frame_ != decisive)) {
     const RenderCommandRequest pattern = request_of(whole_, decisive);
     RenderCommandRequest other = one;
@@ -279,7 +278,7 @@ void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
     planned_frame_ = decisive;
     prepare(one, frame);
   }
-  if (!decides) one.recorded = plan_;
+  if (!decides) one.render.recorded = plan_;
   plan_render(one, prepared_);
   if (decisive == frame) {
     plan_ = record_from(nlohmann::ordered_json::parse(to_line(prepared_.plan.decisions)));

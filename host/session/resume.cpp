@@ -1,4 +1,4 @@
-#include "host/cli/resume.h"
+#include "host/session/resume.h"
 
 #include <filesystem>
 

@@ -5,17 +5,16 @@
 #include <span>
 #include <string>
 
-#include "host/cli/render_flags.h"
-#include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
+#include "host/session/requests.h"
 
 namespace wavepath {
 
 struct OpenScene {
-  std::unique_ptr<Device> device;
-  std::unique_ptr<KernelCompiler> kernels; // compiling what the scene will most likely need
+  std::shared_ptr<Device> device;
+  std::shared_ptr<KernelCompiler> kernels; // compiling what the scene will most likely need
   LoadedScene loaded;
 };
 

@@ -1,4 +1,4 @@
-#include "host/cli/open_scene.h"
+#include "host/session/open_scene.h"
 
 #include <filesystem>
 #include <future>

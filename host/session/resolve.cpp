@@ -1,4 +1,4 @@
-#include "host/cli/resolve.h"
+#include "host/session/resolve.h"
 
 #include <algorithm>
 #include <sstream>

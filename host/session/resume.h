@@ -6,9 +6,9 @@
 #include <string>
 
 #include "host/base/warnings.h"
-#include "host/cli/render_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/report/state_file.h"
+#include "host/session/requests.h"
 
 namespace wavepath {
 

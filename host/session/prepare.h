@@ -1,4 +1,4 @@
-// Preparation of a render: opens the devices, loads and packs the scene, makes the plan.
+// Preparation of a render: opens the devices, packs the scene, makes the plan.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host/base/warnings.h"
-#include "host/cli/render_request.h"
 #include "host/gpu/device.h"
 #include "host/passes/motion.h"
 #include "host/picture/tev.h"
@@ -17,6 +16,9 @@
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/pack/pack_memory.h"
+#include "host/session/load.h"
+#include "host/session/motion_request.h"
+#include "host/session/requests.h"
 
 namespace wavepath {
 
@@ -27,10 +29,10 @@ struct OtherDevice {
 };
 
 struct Prepared {
-  std::unique_ptr<Device> device;
-  std::unique_ptr<KernelCompiler> kernels;
+  std::shared_ptr<Device> device;
+  std::shared_ptr<KernelCompiler> kernels;
   std::vector<OtherDevice> others;
-  std::unique_ptr<TevViewer> viewer; // of --tev; null without
+  std::unique_ptr<TevViewer> viewer; // that is shown the picture; null without one
   View view;
   MotionPictures motion;
   std::vector<std::string> group_names; // see RenderPlan
@@ -44,21 +46,19 @@ struct Prepared {
   double load_seconds = 0.0; // seconds of loading and packing, without those of building the BVH
 };
 
-// Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
-Prepared prepare(const RenderCommandRequest& request);
-
+// Opens the devices, loads the scene, and begins to compile kernels. `stays_open`: as load_scene() takes it. Throws
+// Error.
+Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, bool stays_open);
 // Notes in `prepared` what --aov motion and motion_back are told to. Poses the scene at other moments for that, and
-// then again at the one of the request. `loaded` stays open if they are other moments. Returns whether every vertex is
-// where it was.
-bool pose_others(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared);
-
-// The two halves of prepare(), for scenes that are packed in several poses. `stays_open`: as load_scene() takes it.
-// `memory`: as pack_again() takes it; null = the scene is packed once.
-Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool stays_open);
-void pack_scene(const RenderCommandRequest& request, LoadedScene& loaded, Prepared& prepared,
+// then again at the one of `scene`. `loaded` stays open if they are other moments. Returns whether every vertex is
+// where it was. Throws Error.
+bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const MotionRequest& motion,
+                 LoadedScene& loaded, Prepared& prepared);
+// Packs what `loaded` holds. `memory`: as pack_again() takes it; null = the scene is packed once. Throws Error.
+void pack_scene(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
                 PackMemory* memory = nullptr);
 
-// Makes the pilots and the plan (host/plan/plan.h), and prints the decisions that a user should know. Throws Error.
-void plan_render(const RenderCommandRequest& request, Prepared& prepared);
+// Makes the pilots and the plan (host/plan/plan.h). Throws Error.
+void plan_render(const RenderRequest& request, Prepared& prepared);
 
 } // namespace wavepath

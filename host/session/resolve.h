@@ -1,8 +1,7 @@
 // From the flags of a render to a request that is complete and makes sense.
 #pragma once
 
-#include "host/cli/render_flags.h"
-#include "host/cli/scene_flags.h"
+#include "host/session/requests.h"
 
 namespace wavepath {
 

@@ -1,5 +1,5 @@
-// The pictures that the passes `motion` and `motion_back` tell motion to: moments and cameras of flags, or neighbours
-// of a frame.
+// The pictures that the passes `motion` and `motion_back` tell motion to: moments and cameras, or neighbours of a
+// frame.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,6 @@
 
 #include "host/render/settings/render_plan.h"
 #include "host/scene/staging/view.h"
-
-namespace CLI {
-class App;
-}
 
 namespace wavepath {
 
@@ -34,9 +30,6 @@ struct OtherMoment {
 struct MotionRequest {
   OtherMoment next, previous;
 };
-
-// --motion-to, --camera-to, --motion-from, --camera-from.
-void add_motion_flags(CLI::App& app, MotionRequest& request);
 
 // Refuses passes that have no other picture, and other pictures that no pass asks for. `has_frames`: then the frames
 // beside each are the others. Throws UsageError.

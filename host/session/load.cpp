@@ -1,0 +1,131 @@
+#include "host/session/load.h"
+
+#include <cmath>
+#include <future>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+
+#include "host/scene/staging/catcher.h"
+#include "host/scene/staging/default_light.h"
+#include "host/scene/staging/environment.h"
+#include "host/scene/staging/ground.h"
+
+namespace wavepath {
+namespace {
+
+Environment requested_environment(const SceneRequest& request) {
+  return load_environment(request.environment, request.environment_intensity,
+                          glm::radians(request.environment_degrees));
+}
+
+Environment requested_environment(SceneRequest request, DefaultLight light) {
+  request.environment = environment_name(light);
+  return requested_environment(request);
+}
+
+constexpr glm::dvec2 kUsualSun{60.0, 40.0}; // from the front and the right, as high as in an afternoon
+
+// A white floor that faces it has radiance 1.
+PunctualLight sun_at(const glm::dvec2& degrees) {
+  const double azimuth = glm::radians(degrees.x), elevation = glm::radians(degrees.y);
+  PunctualLight sun;
+  sun.name = "sun";
+  sun.kind = LightKind::directional;
+  sun.intensity = glm::vec3(std::numbers::pi_v<float>);
+  sun.direction = -glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
+                              std::cos(elevation) * std::sin(azimuth));
+  return sun;
+}
+
+// With a sun that was added, and in studies of the shadows of lamps, the lights that there are shine alone.
+DefaultLight rule_light(const SceneRequest& request, const Scene& scene, const LoadedScene& loaded) {
+  if (loaded.sun || (request.sun_if_unlit && is_lit(scene))) return DefaultLight::authored;
+  return choose_light(scene, loaded.framing.inside);
+}
+
+// `scene` is, or will be, that of `loaded`.
+void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
+  const DefaultLight light = rule_light(request, scene, loaded);
+  scene.environment = requested_environment(request, light);
+  loaded.light = reason(light);
+  loaded.room_lamp = light == DefaultLight::lamp;
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+}
+
+void soften_lamps(const SceneRequest& request, Scene& scene) {
+  for (PunctualLight& light : scene.lights)
+    light.extent = light.kind == LightKind::directional ? glm::radians(0.5 * request.sun_angle) : request.lamp_radius;
+}
+
+// The floor of --ground comes last, since it follows the environment in a window.
+void stage_floor(const SceneRequest& request, const Framing& framing, Scene& scene) {
+  if (!request.catcher.empty()) add_catcher(scene, request.catcher);
+  if (request.ground) add_ground(scene, framing.bounds);
+  if (request.catcher == "ground") catch_ground(scene);
+  if (!request.catcher.empty()) warn_of_unlit_catcher(scene);
+}
+
+} // namespace
+
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
+  LoadedScene loaded;
+  SceneRequest staged = request;
+  if (request.staged_at) staged.load.at = *request.staged_at, staged.load.shutter.reset();
+  // Beside the scene: what reads pictures may have to be loaded itself.
+  std::future<Environment> environment;
+  if (!request.environment.empty())
+    environment = std::async(std::launch::async, [&] { return requested_environment(request); });
+  loaded.sun = request.sun;
+  loaded.file = std::make_shared<GltfFile>(request.path);
+  loaded.scene = loaded.file->load(staged.load, [&](Scene& scene) {
+    if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
+    if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
+    const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
+    if (unlit || request.ground || needs_framing(scene, request.view)) loaded.framing = find_framing(scene);
+    if (environment.valid())
+      scene.environment = environment.get();
+    else
+      light_by_rule(request, scene, loaded);
+    if (loaded.sun)
+      loaded.light = fmt::format("a sun (--sun {},{}){}", loaded.sun->x, loaded.sun->y,
+                                 scene.lights.size() > 1 ? ", and as authored" : "");
+    soften_lamps(request, scene);
+    stage_floor(request, loaded.framing, scene);
+    if (described) described(scene);
+  });
+  if (staged.load.at != request.load.at || staged.load.shutter != request.load.shutter) pose_again(request, loaded);
+  if (!stays_open) loaded.file.reset();
+  return loaded;
+}
+
+bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  Environment environment = std::move(scene.environment);
+  scene = loaded.file->pose(request.load, std::move(scene));
+  scene.environment = std::move(environment);
+  if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+  soften_lamps(request, scene);
+  stage_floor(request, loaded.framing, scene);
+  return loaded.file->is_still();
+}
+
+void relight(const SceneRequest& request, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  std::optional<Environment> environment;
+  if (!request.environment.empty()) environment = requested_environment(request);
+  if (loaded.room_lamp) scene.lights.pop_back();
+  loaded.room_lamp = false;
+  if (environment) {
+    scene.environment = *std::move(environment);
+  } else {
+    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
+    light_by_rule(request, scene, loaded);
+  }
+  soften_lamps(request, scene);
+  if (request.ground) relight_ground(scene);
+}
+
+} // namespace wavepath
