@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/film/film.h"
 #include "host/render/render.h"

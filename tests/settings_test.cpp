@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
+#include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/shading_settings.h"

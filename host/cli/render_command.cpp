@@ -21,7 +21,9 @@ int run_render(RenderCommandRequest& request) {
   check_motion(request.motion, request.render.settings, animation, request.sequence.frames.has_value());
   if (request.sequence.frames) return render_sequence(request);
   const std::optional<Picture> reference = resolve(request);
-  Prepared prepared = prepare(request);
+  const std::unique_ptr<Session> session = open_session(request, SessionUse::one_picture);
+  session->update(request.render);
+  Prepared& prepared = session->prepared();
   require_writers(request.output);
   plan_render(request, prepared);
   if (request.render.pixel) return replay(request, prepared);

@@ -1,9 +1,7 @@
 #include "host/cli/render_run.h"
 
-#include <memory>
 #include <new>
 
-#include "host/base/clock.h"
 #include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/cli/commands.h"
@@ -37,26 +35,15 @@ LightProbabilities train_light_probabilities(Prepared& prepared) {
 
 } // namespace
 
-Prepared prepare(const RenderCommandRequest& request) {
-  const Clock::time_point start = Clock::now();
-  LoadedScene loaded; // which is freed here: rendering needs the packed one
-  const bool poses_others = request.motion.next.at || request.motion.previous.at;
-  Prepared prepared = open(request, loaded, poses_others);
-  pose_others(request.scene, request.render.settings, request.motion, loaded, prepared);
-  loaded.file.reset();
-  pack_scene(request.scene, request.render, loaded, prepared);
-  prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
-  return prepared;
-}
-
-Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool stays_open) {
+std::unique_ptr<Session> open_session(const RenderCommandRequest& request, SessionUse use) {
   std::unique_ptr<TevViewer> viewer;
   if (!request.output.tev.empty()) viewer = std::make_unique<TevViewer>(request.output.tev);
-  Prepared prepared = open(request.scene, request.render, loaded, stays_open);
-  prepared.viewer = std::move(viewer);
-  if (!request.render.pixel) refuse_overwriting(targets_of(request), loaded.scene.files);
-  if (!request.output.quiet) print_light(loaded);
-  return prepared;
+  auto session = std::make_unique<Session>(
+      SessionRequest{.scene = request.scene, .render = request.render, .motion = request.motion, .use = use});
+  session->prepared().viewer = std::move(viewer);
+  if (!request.render.pixel) refuse_overwriting(targets_of(request), session->scene().files);
+  if (!request.output.quiet) print_light(session->loaded());
+  return session;
 }
 
 void plan_render(const RenderCommandRequest& request, Prepared& prepared) {

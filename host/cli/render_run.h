@@ -2,18 +2,17 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "host/cli/render_request.h"
 #include "host/picture/picture.h"
-#include "host/session/run.h"
+#include "host/session/session.h"
 
 namespace wavepath {
 
-// Opens the devices, loads the scene, begins to compile kernels, and packs. Throws Error.
-Prepared prepare(const RenderCommandRequest& request);
-// Its first half, for scenes that are packed in several poses. `stays_open`: as load_scene() takes it.
-Prepared open(const RenderCommandRequest& request, LoadedScene& loaded, bool stays_open);
+// Opens the devices and the viewer of --tev, loads the scene and begins to compile kernels. Throws Error.
+std::unique_ptr<Session> open_session(const RenderCommandRequest& request, SessionUse use);
 
 // Makes the plan, and prints the decisions that a user should know. Throws Error.
 void plan_render(const RenderCommandRequest& request, Prepared& prepared);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -27,10 +28,7 @@
 #include "host/plan/record.h"
 #include "host/render/pilot_work.h"
 #include "host/render/settings/pass_names.h"
-#include "host/render/settings/traversal.h"
-#include "host/render/workspace/device_scene.h"
 #include "host/scene/bounds.h"
-#include "host/scene/pack/pack_memory.h"
 #include "host/session/resume.h"
 
 namespace wavepath {
@@ -111,8 +109,6 @@ ViewRequest turned(const ViewRequest& request, const View& view, const glm::dvec
   return gone;
 }
 
-bool is_same_moment(const LoadOptions& a, const LoadOptions& b) { return a.at == b.at && a.shutter == b.shutter; }
-
 // What is kept from frame to frame.
 class Sequence {
 public:
@@ -126,10 +122,9 @@ public:
 private:
   void open(const RenderCommandRequest& first);
   void prepare(RenderCommandRequest& one, std::uint32_t frame);
-  bool pose(RenderCommandRequest& one, std::uint32_t frame);
-  bool pose_moment(const SceneRequest& request);
+  void pose(RenderCommandRequest& one, std::uint32_t frame);
+  void pose_moment(const LoadOptions& load);
   ViewRequest turned_view(double frame) const;
-  void upload(const RenderCommandRequest& one);
   void plan(RenderCommandRequest& one, std::uint32_t frame);
   void keep_new_warnings();
   void write_meanwhile(std::unique_ptr<Unwritten> ended);
@@ -138,11 +133,7 @@ private:
   const RenderCommandRequest& whole_;
   const std::vector<std::uint32_t>& frames_;
   ProgressDisplay progress_;
-  LoadedScene loaded_;
-  LoadOptions posed_; // as the scene stands
-  Prepared prepared_;
-  PackMemory memory_;
-  std::shared_ptr<DeviceScene> on_device_; // of what memory_ knows; null before the first
+  std::unique_ptr<Session> session_;
   std::optional<double> staged_at_;
   glm::dvec3 origin_{0.0}, centre_{0.0};
   std::optional<PlanRecord> plan_;
@@ -167,51 +158,50 @@ void Sequence::open(const RenderCommandRequest& first) {
     staged.scene.load.shutter.reset();
   }
   staged.scene.staged_at.reset();
-  prepared_ = wavepath::open(staged, loaded_, true);
-  posed_ = staged.scene.load;
+  session_ = open_session(staged, SessionUse::poses);
+  const LoadedScene& loaded = session_->loaded();
   std::vector<std::string> targets;
   for (const std::uint32_t frame : frames_)
     for (const std::string& target : targets_of(request_of(whole_, frame))) targets.push_back(target);
-  refuse_overwriting(targets, loaded_.scene.files);
+  refuse_overwriting(targets, loaded.scene.files);
   const RenderPlan& settings = first.render.settings;
-  const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
-  const Bounds bounds = world_bounds(loaded_.scene);
+  const View view = resolve_view(loaded.scene, loaded.framing, whole_.scene.view, settings.width, settings.height);
+  const Bounds bounds = world_bounds(loaded.scene);
   centre_ = bounds.empty() ? glm::dvec3(0.0) : bounds.centre();
   // The middle, which lies within the bounds of other poses as well, where the eye does not.
   const bool inside = !bounds.empty() && glm::all(glm::lessThanEqual(bounds.lo, view.position)) &&
                       glm::all(glm::lessThanEqual(view.position, bounds.hi));
   origin_ = whole_.render.origin.value_or(inside ? view.position : centre_);
+  session_->set_origin(origin_);
 }
 
-// Returns true if every vertex is where it was.
-bool Sequence::pose_moment(const SceneRequest& request) {
-  const bool is_still = is_same_moment(posed_, request.load) || pose_again(request, loaded_);
-  posed_ = request.load;
-  return is_still;
+void Sequence::pose_moment(const LoadOptions& load) {
+  session_->set_moment(load.at, load.shutter);
+  session_->pose();
 }
 
 // Camera of a frame, at whose moment the scene stands.
 ViewRequest Sequence::turned_view(double frame) const {
   if (!whole_.sequence.turntable) return whole_.scene.view;
   const RenderPlan& settings = whole_.render.settings;
-  const View view = resolve_view(loaded_.scene, loaded_.framing, whole_.scene.view, settings.width, settings.height);
+  const LoadedScene& loaded = session_->loaded();
+  const View view = resolve_view(loaded.scene, loaded.framing, whole_.scene.view, settings.width, settings.height);
   return turned(whole_.scene.view, view, centre_, turned_by(whole_.sequence, frame));
 }
 
 // Poses the scene at the frame's moment. The frames beside it become the other pictures of motion passes; those before
-// the first and after the last one exist as well, for an animation that is held there. Returns true if every vertex is
-// where it was.
-bool Sequence::pose(RenderCommandRequest& one, std::uint32_t frame) {
+// the first and after the last one exist as well, for an animation that is held there.
+void Sequence::pose(RenderCommandRequest& one, std::uint32_t frame) {
   const LoadOptions& load = one.scene.load;
-  bool is_still = true;
+  session_->set_motion({});
   const auto find = [&](std::string_view pass, double step, OtherMoment& other) {
     if (std::ranges::count(one.render.settings.aovs, pass) == 0) return;
     if (!load.animation.empty()) {
-      SceneRequest there = one.scene;
-      there.load.at = (load.shutter ? load.shutter->first : load.at) + seconds_of(whole_.sequence, step);
-      there.load.shutter.reset();
-      other.at = there.load.at;
-      if (whole_.sequence.turntable) is_still &= pose_moment(there);
+      LoadOptions there = load;
+      there.at = (load.shutter ? load.shutter->first : load.at) + seconds_of(whole_.sequence, step);
+      there.shutter.reset();
+      other.at = there.at;
+      if (whole_.sequence.turntable) pose_moment(there);
     }
     if (!whole_.sequence.turntable) return;
     const ViewRequest view = turned_view(frame + step);
@@ -219,9 +209,11 @@ bool Sequence::pose(RenderCommandRequest& one, std::uint32_t frame) {
   };
   find(kMotionPass, 1.0, one.motion.next);
   find(kMotionBackPass, -1.0, one.motion.previous);
-  is_still &= pose_moment(one.scene);
+  pose_moment(load);
   one.scene.view = turned_view(frame);
-  return is_still & pose_others(one.scene, one.render.settings, one.motion, loaded_, prepared_);
+  session_->set_view(one.scene.view);
+  session_->set_motion(one.motion);
+  session_->pose();
 }
 
 // Poses and packs the scene, and brings it onto the device. `one` becomes the whole command of the frame.
@@ -230,41 +222,30 @@ void Sequence::prepare(RenderCommandRequest& one, std::uint32_t frame) {
   if (staged_at_ && *staged_at_ != one.scene.load.at) one.scene.staged_at = staged_at_;
   if (one.scene.load.shutter) one.scene.staged_at = staged_at_;
   one.render.origin = origin_;
-  memory_.is_still = pose(one, frame);
+  pose(one, frame);
   const double pose_seconds = seconds_since(start);
-  memory_.packed = std::move(prepared_.packed);
-  pack_scene(one.scene, one.render, loaded_, prepared_, &memory_);
-  const double pack_seconds = seconds_since(start) - pose_seconds;
-  prepared_.load_seconds = seconds_since(start) - prepared_.packed.bvh_seconds;
-  upload(one);
+  Prepared& prepared = session_->prepared();
+  prepared.packed.bvh_seconds = 0.0; // of another frame
+  const SessionUpdate update = session_->update(one.render);
+  double pack_seconds = 0.0;
+  for (const Redone& part : update.redone)
+    if (part.what == std::string_view("pack")) pack_seconds += 1e-3 * part.milliseconds;
+  prepared.load_seconds = pose_seconds + pack_seconds - prepared.packed.bvh_seconds;
   one.frame = FrameReport{.number = frame,
                           .at = one.scene.load.at,
                           .fps = whole_.sequence.fps.value_or(kUsualFps),
                           .turned = turned_by(whole_.sequence, frame),
                           .pose_seconds = pose_seconds,
                           .pack_seconds = pack_seconds,
-                          .kept_surfaces = memory_.kept.surfaces,
-                          .kept_geometry = memory_.kept.geometry,
-                          .built_triangles = memory_.trees.built};
-}
-
-void Sequence::upload(const RenderCommandRequest& one) {
-  prepared_.on_device = {};
-  if (!prepared_.others.empty()) return; // each device uploads by itself
-  const Clock::time_point start = Clock::now();
-  Device& device = *prepared_.device;
-  const bool by_query = traces_by_query(traversal_of(one.render.settings), device.info());
-  DeviceScene before = on_device_ ? std::move(*on_device_) : DeviceScene{};
-  on_device_ = std::make_shared<DeviceScene>(upload_next_scene(device, prepared_.packed, by_query, std::move(before),
-                                                               on_device_ ? memory_.kept : KeptParts{}));
-  prepared_.on_device.scene = on_device_;
-  prepared_.on_device.upload_seconds = seconds_since(start);
+                          .kept_surfaces = update.kept_surfaces,
+                          .kept_geometry = update.kept_geometry,
+                          .built_triangles = update.built_triangles};
 }
 
 // Takes the plan of the first frame of its sixteen, which is made by that frame wherever it is not rendered here.
 void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
   const std::uint32_t decisive = frame - frame % kFramesOfPlan;
-  const DeviceClass device = class_of(prepared_.device->info());
+  const DeviceClass device = class_of(session_->prepared().device->info());
   const bool decides = one.render.recorded || decisive == frame || !may_make_pilots(one.render.settings, device);
   if (!decides && (!plan_ || planned_frame_ != decisive)) {
     const RenderCommandRequest pattern = request_of(whole_, decisive);
@@ -273,15 +254,15 @@ void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
     other.render.settings.seed = pattern.render.settings.seed;
     other.render.state = {};
     prepare(other, decisive);
-    plan_render(other, prepared_);
-    plan_ = record_from(nlohmann::ordered_json::parse(to_line(prepared_.plan.decisions)));
+    plan_render(other, session_->prepared());
+    plan_ = record_from(nlohmann::ordered_json::parse(to_line(session_->prepared().plan.decisions)));
     planned_frame_ = decisive;
     prepare(one, frame);
   }
   if (!decides) one.render.recorded = plan_;
-  plan_render(one, prepared_);
+  plan_render(one, session_->prepared());
   if (decisive == frame) {
-    plan_ = record_from(nlohmann::ordered_json::parse(to_line(prepared_.plan.decisions)));
+    plan_ = record_from(nlohmann::ordered_json::parse(to_line(session_->prepared().plan.decisions)));
     planned_frame_ = decisive;
   }
 }
@@ -289,9 +270,9 @@ void Sequence::plan(RenderCommandRequest& one, std::uint32_t frame) {
 // What an earlier frame has warned of is not told again.
 void Sequence::keep_new_warnings() {
   Warnings fresh;
-  for (const auto& [text, count] : prepared_.warnings.counts())
+  for (const auto& [text, count] : session_->prepared().warnings.counts())
     if (!told_.counts().contains(text)) fresh.add(text, count), told_.add(text, count);
-  prepared_.warnings = fresh;
+  session_->prepared().warnings = fresh;
 }
 
 // Files appear in the order of the frames: there is one frame at a time that waits for its own.
@@ -337,21 +318,22 @@ int Sequence::run() {
     plan(one, frame);
     if (interrupted()) break;
     progress_.begin_frame({frame, begun, frames_.size()});
-    Rendered rendered = wavepath::run(one, prepared_, reference, {});
+    Rendered rendered = wavepath::run(one, session_->prepared(), reference, {});
     if (failure_) std::rethrow_exception(failure_);
     const StopReason stop = rendered.result.stop;
     if (stop == StopReason::interrupted) break;
     if (stop == StopReason::device_lost) // what it has would be taken for the frame
-      throw DeviceLost(prepared_.device->info().name, fmt::format("was lost while rendering frame {}", frame),
+      throw DeviceLost(session_->prepared().device->info().name,
+                       fmt::format("was lost while rendering frame {}", frame),
                        "run the same command to go on with that frame");
     render_seconds += rendered.result.seconds;
     keep_new_warnings();
     ++begun;
-    if (one.output.verbose || prepared_.viewer) { // which need the scene, or the picture at once
-      code_ = std::max(code_, finish(one, prepared_, rendered, reference));
+    if (one.output.verbose || session_->prepared().viewer) { // which need the scene, or the picture at once
+      code_ = std::max(code_, finish(one, session_->prepared(), rendered, reference));
       ++done_;
     } else {
-      write_meanwhile(end_render(one, prepared_, rendered, reference));
+      write_meanwhile(end_render(one, session_->prepared(), rendered, reference));
     }
   }
   tell_written();

@@ -10,6 +10,7 @@
 namespace wavepath {
 
 class Device;
+class RenderLoop;     // host/render/loop/render_loop.h
 class KernelCompiler; // host/render/workspace/kernel_compiler.h
 struct DeviceScene;   // host/render/workspace/device_scene.h
 struct PackedScene;
@@ -27,6 +28,10 @@ struct SceneOnDevice {
   std::shared_ptr<const DeviceScene> scene; // null before the first render
   double upload_seconds = 0.0;
   LightProbabilities light_probabilities; // of the latest render that trained them
+  // The loop of the latest render, with its buffers, for the next one; kept only if that was asked for. Null otherwise,
+  // and to be made so when the scene changes.
+  bool keeps_loop = false;
+  std::shared_ptr<RenderLoop> loop{};
 };
 
 // The same, with kernels whose compilation may have begun before the scene was known. `shared`: null if no other render

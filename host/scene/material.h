@@ -28,6 +28,7 @@ struct TextureSlot {
   glm::mat2 uv_matrix{1.0f}; // KHR_texture_transform: uv' = uv_matrix * uv + uv_offset
   glm::vec2 uv_offset{0.0f};
 
+  bool operator==(const TextureSlot&) const = default;
   bool present() const { return image != kNoIndex; }
   bool transformed() const { return uv_matrix != glm::mat2(1.0f) || uv_offset != glm::vec2(0.0f); }
 };

@@ -82,6 +82,8 @@ struct PunctualLight {
   // Of a soft lamp: radius in metres, or half the angle in radians under which a directional light is seen; 0 = none.
   double extent = 0.0;
   std::uint32_t node = kNoIndex; // of the file, that carries it; kNoIndex: no node does
+
+  bool operator==(const PunctualLight&) const = default;
 };
 
 // Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see lat_long.h); empty = constant.

@@ -23,14 +23,22 @@ void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scen
 
 } // namespace
 
+SessionDevice open_device(const std::string& name, std::span<const char* const> window_extensions) {
+  SessionDevice opened;
+  opened.device = std::make_shared<Device>(name, window_extensions);
+  opened.kernels = std::make_shared<KernelCompiler>(*opened.device);
+  return opened;
+}
+
 OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
-                     std::span<const char* const> window_extensions, bool stays_open) {
+                     std::span<const char* const> window_extensions, bool stays_open, const SessionDevice& device) {
   OpenScene open;
-  auto opening =
-      std::async(std::launch::async, [&] { return std::make_unique<Device>(render.device, window_extensions); });
+  auto opening = std::async(std::launch::async,
+                            [&] { return device.device ? device : open_device(render.device, window_extensions); });
   const auto begin = [&](const Scene& described) {
-    open.device = opening.get();
-    open.kernels = std::make_unique<KernelCompiler>(*open.device);
+    SessionDevice opened = opening.get();
+    open.device = std::move(opened.device);
+    open.kernels = std::move(opened.kernels);
     begin_kernels(*open.kernels, open.device->info(), described, render.settings);
   };
   open.loaded = load_scene(scene, begin, stays_open);

@@ -19,7 +19,6 @@
 #include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
 #include "host/scene/scene_hash.h"
-#include "host/session/open_scene.h"
 #include "host/session/resolve.h"
 
 namespace wavepath {
@@ -44,9 +43,10 @@ std::string identity_as(const RenderRequest& request, const Prepared& prepared, 
 
 } // namespace
 
-Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, bool stays_open) {
+Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, bool stays_open,
+              const SessionDevice& device, std::span<const char* const> window_extensions) {
   Prepared prepared;
-  OpenScene opened = open_scene(scene, render, {}, stays_open);
+  OpenScene opened = open_scene(scene, render, window_extensions, stays_open, device);
   prepared.device = std::move(opened.device);
   prepared.kernels = std::move(opened.kernels);
   loaded = std::move(opened.loaded);
@@ -59,7 +59,7 @@ Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScen
 }
 
 bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const MotionRequest& motion,
-                 LoadedScene& loaded, Prepared& prepared) {
+                 const PoseScene& pose, const LoadedScene& loaded, Prepared& prepared) {
   MotionPictures& pictures = prepared.motion = {};
   bool is_still = true, poses = false;
   const auto add = [&](const OtherMoment& other, std::optional<OtherPicture>& picture) {
@@ -69,7 +69,7 @@ bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const Mo
       SceneRequest there = scene;
       there.load.at = *other.at;
       there.load.shutter.reset();
-      is_still &= pose_again(there, loaded);
+      is_still &= pose(there);
       poses = true;
       picture->pose = pose_of(loaded.scene);
     }
@@ -77,25 +77,20 @@ bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const Mo
         resolve_view(loaded.scene, loaded.framing, other_view(scene.view, other), settings.width, settings.height);
   };
   add(motion.next, pictures.next);
-  if (poses && !motion.previous.at) is_still &= pose_again(scene, loaded), poses = false;
+  if (poses && !motion.previous.at) is_still &= pose(scene), poses = false;
   add(motion.previous, pictures.previous);
-  if (poses) is_still &= pose_again(scene, loaded);
+  if (poses) is_still &= pose(scene);
   if (motion.next.at || motion.previous.at) set_pose_here(loaded.scene, pictures);
   return is_still;
 }
 
-void pack_scene(const SceneRequest& request, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
-                PackMemory* memory) {
-  RenderPlan settings = render.settings;
+Packing packing_of(const RenderRequest& render, const Scene& scene, const Prepared& prepared) {
+  const RenderPlan& settings = render.settings;
   const DeviceInfo& device = prepared.device->info();
-  Scene& scene = loaded.scene;
-  settings.group_names = prepared.group_names = find_group_names(scene, settings.light_groups);
-  const View view = resolve_view(scene, loaded.framing, request.view, settings.width, settings.height);
-  const bvh::Quality quality = render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
   Packing packing{.direct = direct_of(settings),
-                  .quality = quality,
-                  .eye = render.origin.value_or(view.position),
-                  .near = {view.position},
+                  .quality = render.bvh ? *render.bvh : choose_quality(settings, plan(scene).triangles_stored, device),
+                  .eye = render.origin.value_or(prepared.view.position),
+                  .near = {prepared.view.position},
                   .lights = settings.lights,
                   .mips = wants_mips(settings),
                   .sources = !prepared.motion.here.instances.empty(),
@@ -103,12 +98,32 @@ void pack_scene(const SceneRequest& request, const RenderRequest& render, Loaded
                   .samplers = sampler_limits(settings, device)};
   for (const OtherDevice& other : prepared.others)
     packing.samplers = common_limits(packing.samplers, other.device->info());
-  prepared.memory.emplace(request.path, plan(scene, packing), expected_features(scene, packing.direct), device);
+  return packing;
+}
+
+bool packs_alike(const Packing& a, const Packing& b) {
+  return a.direct == b.direct && a.quality == b.quality && a.eye == b.eye && a.lights == b.lights && a.mips == b.mips &&
+         a.sources == b.sources && a.light_groups == b.light_groups && a.samplers == b.samplers;
+}
+
+Packing pack_scene(const SceneRequest& request, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
+                   PackMemory* memory) {
+  RenderPlan settings = render.settings;
+  const DeviceInfo& device = prepared.device->info();
+  Scene& scene = loaded.scene;
+  settings.group_names = prepared.group_names = find_group_names(scene, settings.light_groups);
+  prepared.view = resolve_view(scene, loaded.framing, request.view, settings.width, settings.height);
+  const Packing packing = packing_of(render, scene, prepared);
+  // Other factors of materials take no more memory.
+  const bool may_grow = !memory || !memory->has_packed || !memory->is_still || memory->other_images ||
+                        memory->other_environment || !prepared.memory;
+  if (may_grow)
+    prepared.memory.emplace(request.path, plan(scene, packing), expected_features(scene, packing.direct), device);
   prepared.memory->require(settings);
   if (needs_identity(render)) prepared.scene_hash = hash_scene(scene);
-  prepared.view = view;
   prepared.packed = memory ? pack_again(scene, packing, *memory) : pack(scene, packing);
   prepared.warnings = scene.warnings;
+  return packing;
 }
 
 void plan_render(const RenderRequest& request, Prepared& prepared) {

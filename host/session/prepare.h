@@ -1,8 +1,10 @@
 // Preparation of a render: opens the devices, packs the scene, makes the plan.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "host/scene/pack/pack_memory.h"
 #include "host/session/load.h"
 #include "host/session/motion_request.h"
+#include "host/session/open_scene.h"
 #include "host/session/requests.h"
 
 namespace wavepath {
@@ -46,17 +49,25 @@ struct Prepared {
   double load_seconds = 0.0; // seconds of loading and packing, without those of building the BVH
 };
 
-// Opens the devices, loads the scene, and begins to compile kernels. `stays_open`: as load_scene() takes it. Throws
-// Error.
-Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, bool stays_open);
+// Opens the devices, loads the scene, and begins to compile kernels. The last three arguments: as open_scene() takes
+// them. Throws Error.
+Prepared open(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, bool stays_open,
+              const SessionDevice& device = {}, std::span<const char* const> window_extensions = {});
+// Poses the loaded scene at the moment of a request. Returns whether every vertex is where it was.
+using PoseScene = std::function<bool(const SceneRequest&)>;
 // Notes in `prepared` what --aov motion and motion_back are told to. Poses the scene at other moments for that, and
-// then again at the one of `scene`. `loaded` stays open if they are other moments. Returns whether every vertex is
-// where it was. Throws Error.
+// then again at the one of `scene`. Returns whether every vertex is where it was. Throws Error.
 bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const MotionRequest& motion,
-                 LoadedScene& loaded, Prepared& prepared);
-// Packs what `loaded` holds. `memory`: as pack_again() takes it; null = the scene is packed once. Throws Error.
-void pack_scene(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
-                PackMemory* memory = nullptr);
+                 const PoseScene& pose, const LoadedScene& loaded, Prepared& prepared);
+// Packs what `loaded` holds, and returns how. `memory`: as pack_again() takes it; null = the scene is packed once.
+// Throws Error.
+Packing pack_scene(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
+                   PackMemory* memory = nullptr);
+
+// How a scene is packed for these settings, as prepared.view sees it.
+Packing packing_of(const RenderRequest& render, const Scene& scene, const Prepared& prepared);
+// True if both give the same but for what `near` has cut.
+bool packs_alike(const Packing& a, const Packing& b);
 
 // Makes the pilots and the plan (host/plan/plan.h). Throws Error.
 void plan_render(const RenderRequest& request, Prepared& prepared);

@@ -104,7 +104,21 @@ void RenderLoop::restart(const View& view, const RenderPlan& settings, TemporalH
   result_ = {};
   result_.upload_seconds = workspace_.upload_seconds;
   result_.by_query = workspace_.on_device->queries.has_value();
+  saved_sample_ = 0;
+  next_show_ = {};
   seconds_before_ = 0.0;
+}
+
+void RenderLoop::restart(const View& view, const RenderPlan& settings, RenderHooks hooks) {
+  hooks_ = std::move(hooks);
+  restart(view, settings);
+}
+
+bool RenderLoop::can_render(const RenderPlan& settings) const {
+  if (settings.time_limit > 0.0) return false; // its first waves are short
+  const DeviceInfo& info = workspace_.device.info();
+  return choose_slots(info, workspace_.scene.features, settings) <= workspace_.slots &&
+         traces_by_query(traversal_of(settings), info) == workspace_.on_device->queries.has_value();
 }
 
 double RenderLoop::seconds() const {

@@ -51,6 +51,12 @@ public:
   // Starts over with another view and other settings of the same scene. Reuses data on the device where possible.
   void restart(const View& view, const RenderPlan& settings, TemporalHistory history = TemporalHistory::forget);
 
+  // The same with other hooks, for the next render of the same scene.
+  void restart(const View& view, const RenderPlan& settings, RenderHooks hooks);
+  // True if the loop has the room that these settings ask for, and its scene on the device is as they need it.
+  bool can_render(const RenderPlan& settings) const;
+  void forget_hooks() { hooks_ = {}; } // what they refer to may go
+
   // True if enough kernels are compiled that step() will not wait for any.
   bool is_ready() { return integrator_->is_ready(); }
   // Waits for kernels. Returns the seconds that compiling took.

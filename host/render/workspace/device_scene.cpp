@@ -113,13 +113,19 @@ std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bo
 // What of a scene on the device goes over to the next one.
 DeviceScene take_kept(DeviceScene before, const KeptParts& parts) {
   DeviceScene kept;
-  if (parts.surfaces) {
+  if (parts.textures) {
     kept.textures = std::move(before.textures);
     kept.texels = std::move(before.texels);
     kept.srgb_table = std::move(before.srgb_table);
     kept.atlases = std::move(before.atlases);
+  }
+  if (parts.environment) {
     kept.environment = std::move(before.environment);
     kept.environment_ends = std::move(before.environment_ends);
+  }
+  if (parts.lights) {
+    kept.lights = std::move(before.lights);
+    kept.light_tree = std::move(before.light_tree);
   }
   if (parts.geometry) {
     kept.nodes = std::move(before.nodes);
@@ -194,8 +200,10 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
                             info.memory_bytes / 1048576.0),
                 "simplify the scene or choose another device with --device");
 
-  DeviceScene result = take_kept(std::move(before), kept); // what does not go over makes room
-  if (!kept.geometry) {
+  KeptParts parts = kept;
+  if (by_query && !parts.marks) parts.geometry = false;     // its instances hold both
+  DeviceScene result = take_kept(std::move(before), parts); // what does not go over makes room
+  if (!parts.geometry) {
     if (by_query) {
       QueryScene queries = make_query_scene(device, scene);
       result.nodes = upload(device, queries.items);
@@ -210,18 +218,25 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
     result.vertex_normals = upload(device, scene.vertex_normals);
     result.vertex_uvs = upload(device, scene.vertex_uvs);
     result.vertex_colors = upload(device, scene.vertex_colors);
+  } else if (!kept.marks) {
+    result.triangles = upload(device, scene.triangles); // scenes that move keep none
+    result.instances = upload(device, scene.instances);
   }
   result.materials = upload(device, material_bytes(scene));
-  if (!kept.surfaces) {
+  if (!kept.textures) {
     result.textures = upload(device, scene.textures);
     result.texels = upload_pages(device, scene.texels);
     result.srgb_table = upload(device, scene.texels.empty() ? std::vector<float>{} : srgb_decoding());
     if (any_sampled(scene)) result.atlases = upload_atlases(device, scene.atlases);
+  }
+  if (!kept.environment) {
     result.environment = upload(device, scene.environment);
     result.environment_ends = upload(device, scene.environment_ends);
   }
-  result.lights = upload(device, light_words(scene));
-  result.light_tree = upload(device, scene.light_tree);
+  if (!kept.lights) {
+    result.lights = upload(device, light_words(scene));
+    result.light_tree = upload(device, scene.light_tree);
+  }
   return result;
 }
 

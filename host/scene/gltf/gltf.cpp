@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include <glm/gtc/matrix_access.hpp>
+#include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
@@ -301,7 +302,7 @@ Scene load_moment(Document& document, const LoadOptions& options, double seconds
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   const std::vector<bool> hidden = gltf::hidden_nodes(document);
   for (const int node_index : nodes)
-    if (!hidden[static_cast<std::size_t>(node_index)])
+    if (options.keeps_hidden || !hidden[static_cast<std::size_t>(node_index)])
       convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
   std::future<std::vector<Image>> images;
   if (decode)
@@ -333,7 +334,8 @@ bool has_same_shape(const Scene& before, const Scene& scene) {
 struct GltfFile::State {
   gltf::Document document;
   gltf::Imported imported;
-  bool is_still = false;
+  std::map<std::size_t, std::vector<double>> file_matrices{}; // of nodes whose matrix was replaced
+  bool is_still = false, forgets_meshes = false;
 };
 
 GltfFile::GltfFile(const std::filesystem::path& path) : state_(new State{gltf::open_document(path), {}}) {}
@@ -341,6 +343,31 @@ GltfFile::GltfFile(const std::filesystem::path& path) : state_(new State{gltf::o
 GltfFile::~GltfFile() = default;
 
 bool GltfFile::is_still() const { return state_->is_still; }
+
+void GltfFile::set_matrix(std::size_t node, const std::optional<glm::dmat4>& matrix) {
+  std::vector<double>& own = state_->document.model.nodes.at(node).matrix;
+  state_->file_matrices.try_emplace(node, own);
+  own = matrix ? std::vector<double>(glm::value_ptr(*matrix), glm::value_ptr(*matrix) + 16)
+               : state_->file_matrices.at(node);
+}
+
+void GltfFile::set_visible(std::size_t node, bool is_visible) {
+  tinygltf::Value::Object visibility;
+  visibility["visible"] = tinygltf::Value(is_visible);
+  state_->document.model.nodes.at(node).extensions[gltf::kNodeVisibility] = tinygltf::Value(std::move(visibility));
+}
+
+glm::dmat4 GltfFile::matrix(std::size_t node) const {
+  return gltf::local_matrix(state_->document.model.nodes.at(node), gltf::Scales::authored);
+}
+
+bool GltfFile::is_visible(std::size_t node) const { return !gltf::is_hidden(state_->document.model.nodes.at(node)); }
+
+std::size_t GltfFile::node_count() const { return state_->document.model.nodes.size(); }
+
+void GltfFile::forget_meshes() { state_->forgets_meshes = true; }
+
+std::size_t GltfFile::material_count() const { return state_->imported.material_count; }
 
 Scene GltfFile::load(const LoadOptions& options, const SceneDescribed& described) {
   Document& document = state_->document;
@@ -368,10 +395,12 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   scene.materials = std::move(before.materials);
   scene.materials.resize(imported.material_count);
   for (auto& [use, mesh] : imported.meshes)
-    if (use.skin < 0 && !before.meshes[mesh].moves()) import.read_before.emplace(use, std::move(before.meshes[mesh]));
+    if (use.skin < 0 && !before.meshes[mesh].moves() && !state_->forgets_meshes)
+      import.read_before.emplace(use, std::move(before.meshes[mesh]));
   place_nodes(import, gltf::scene_nodes(document, options.scene), gltf::hidden_nodes(document));
   imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
-  state_->is_still = has_same_shape(before, scene);
+  state_->is_still = !state_->forgets_meshes && has_same_shape(before, scene);
+  state_->forgets_meshes = false;
   scene.images = std::move(before.images);
   return scene;
 }

@@ -21,6 +21,7 @@ struct LoadOptions {
   double at = 0.0;       // seconds into the animation, clamped to its key frames
   // Instead of `at`: when the shutter opens and closes. Cameras and lights stay as they are when it opens.
   std::optional<std::pair<double, double>> shutter{};
+  bool keeps_hidden = false; // materials of hidden nodes are read too, so that the nodes can be shown later
 };
 
 // Throws Error that names the file, what is wrong with it and what to do. What is ignored or repaired is counted in
@@ -41,6 +42,17 @@ public:
   // keep their shape go over; what others added to its materials, meshes, instances and lights since does not. Without
   // an environment. `options` are those of load() but for the moment.
   Scene pose(const LoadOptions& options, Scene before);
+  // Replaces what the file says of a node from the next pose() on: its matrix, as glTF has it, also where an animation
+  // moves it; and whether it is visible. Empty: as the file has it. `node` must exist.
+  void set_matrix(std::size_t node, const std::optional<glm::dmat4>& matrix);
+  void set_visible(std::size_t node, bool is_visible);
+  glm::dmat4 matrix(std::size_t node) const;
+  bool is_visible(std::size_t node) const; // its own word; a node above it may hide it
+  std::size_t node_count() const;
+  // The next pose() reads meshes anew: materials that were changed read other streams of theirs.
+  void forget_meshes();
+  // Materials of the file that the scene has, before those that others added.
+  std::size_t material_count() const;
   // Whether the scene that pose() gave last has every instance and vertex where the one before had it.
   bool is_still() const;
 

@@ -72,31 +72,6 @@ void take_length(glm::dmat4& matrix) {
   }
 }
 
-glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales) {
-  if (!node.matrix.empty()) {
-    glm::dmat4 matrix = glm::make_mat4(node.matrix.data());
-    round_to_affine(matrix);
-    if (scales == Scales::signs) take_length(matrix);
-    return matrix;
-  }
-  glm::dmat4 matrix(1.0);
-  if (!node.translation.empty()) matrix = glm::translate(matrix, glm::make_vec3(node.translation.data()));
-  if (!node.rotation.empty()) {
-    const auto& q = node.rotation;
-    const glm::dquat rotation(q[3], q[0], q[1], q[2]);
-    const double length = glm::length(rotation);
-    if (length > 0.0) matrix *= glm::mat4_cast(rotation / length);
-  }
-  if (!node.scale.empty()) matrix = glm::scale(matrix, take_scale(glm::make_vec3(node.scale.data()), scales));
-  return matrix;
-}
-
-bool is_hidden(const tinygltf::Node& node) {
-  const auto extension = node.extensions.find("KHR_node_visibility");
-  if (extension == node.extensions.end() || !extension->second.Has("visible")) return false;
-  return !extension->second.Get("visible").Get<bool>();
-}
-
 } // namespace
 
 std::size_t choose(const Document& document, const std::string& kind, const std::vector<std::string>& names,
@@ -146,6 +121,31 @@ std::vector<std::uint32_t> node_parents(const Document& document) {
   for (const int parent : parents(document))
     result.push_back(parent < 0 ? kNoIndex : static_cast<std::uint32_t>(parent));
   return result;
+}
+
+glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales) {
+  if (!node.matrix.empty()) {
+    glm::dmat4 matrix = glm::make_mat4(node.matrix.data());
+    round_to_affine(matrix);
+    if (scales == Scales::signs) take_length(matrix);
+    return matrix;
+  }
+  glm::dmat4 matrix(1.0);
+  if (!node.translation.empty()) matrix = glm::translate(matrix, glm::make_vec3(node.translation.data()));
+  if (!node.rotation.empty()) {
+    const auto& q = node.rotation;
+    const glm::dquat rotation(q[3], q[0], q[1], q[2]);
+    const double length = glm::length(rotation);
+    if (length > 0.0) matrix *= glm::mat4_cast(rotation / length);
+  }
+  if (!node.scale.empty()) matrix = glm::scale(matrix, take_scale(glm::make_vec3(node.scale.data()), scales));
+  return matrix;
+}
+
+bool is_hidden(const tinygltf::Node& node) {
+  const auto extension = node.extensions.find(kNodeVisibility);
+  if (extension == node.extensions.end() || !extension->second.Has("visible")) return false;
+  return !extension->second.Get("visible").Get<bool>();
 }
 
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales) {

@@ -31,6 +31,12 @@ inline constexpr double kAffineRounding = 1e-5;
 glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales);
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales = Scales::authored);
 
+// Of one node, relative to the node above it.
+glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales);
+
+inline constexpr const char* kNodeVisibility = "KHR_node_visibility";
+// Whether that extension of the node itself hides it.
+bool is_hidden(const tinygltf::Node& node);
 // For each node: true if KHR_node_visibility hides it or a node above it. Nodes must form no cycle, which
 // world_matrices() has checked.
 std::vector<bool> hidden_nodes(const Document& document);

@@ -17,6 +17,8 @@ namespace wavepath {
 struct SamplerLimits {
   std::uint32_t side = 0, layers = 0; // side in texels and layers of one image
   std::uint64_t bytes = 0;            // of all layers
+
+  bool operator==(const SamplerLimits&) const = default;
 };
 
 // One 8-bit image in one use, with its mip levels: to its right, one below the other.

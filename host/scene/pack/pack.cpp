@@ -2,6 +2,7 @@
 #include "host/scene/pack/pack.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -9,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
 #include "host/scene/pack/albedo_tables.h"
+#include "host/scene/pack/bodies.h"
 #include "host/scene/pack/cut_scene.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/features.h"
@@ -26,7 +28,7 @@ namespace {
 // Tables that the stages of packing geometry share.
 struct Layout {
   Usage usage;
-  AlphaCoverage alpha;
+  std::optional<AlphaCoverage> alpha;        // once triangles are packed
   std::vector<std::uint32_t> material_index; // by scene material
   bool with_vertices = false;                // triangles refer to vertex streams
   bool with_sources = false;                 // see Packing
@@ -36,13 +38,14 @@ struct Layout {
   PackMemory* memory = nullptr;
   std::size_t objects = 0; // packed so far
 
-  explicit Layout(const Scene& scene) : usage(find_usage(scene)), alpha(scene, usage) {}
+  explicit Layout(const Scene& scene) : usage(find_usage(scene)) {}
 };
 
 void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_index,
                 const glm::dmat4& device_from_object, std::vector<Part>& parts) {
   const Mesh& mesh = scene.meshes[mesh_index];
-  const std::vector<std::uint32_t> flags = triangle_flags(scene, mesh, layout.alpha);
+  const std::vector<std::uint32_t> flags =
+      layout.alpha ? triangle_flags(scene, mesh, *layout.alpha) : std::vector<std::uint32_t>(mesh.primitives.size());
   const bool mirrored = glm::determinant(glm::dmat3(device_from_object)) < 0.0;
   for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
     if (mesh.primitives[p].index_count < 3) continue;
@@ -64,7 +67,7 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
     packed.triangle_vertices.resize(packed.triangles.size(), glm::uvec4(0));
   }
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
-  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, layout.with_sources, times,
+  return append_object(scene, parts, cut, *layout.alpha, layout.with_vertices, layout.with_sources, times,
                        layout.quality, layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
 }
 
@@ -111,30 +114,72 @@ bool has_huge(const Scene& scene, const Layout& layout, const glm::dmat4& device
   return false;
 }
 
-// Whether the geometry that was packed last is that of this scene.
-bool has_same_geometry(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
-                       const PackedScene& packed) {
+// Whether the geometry that was packed last is that of this scene. `traits`: of its materials.
+bool has_same_geometry(const Scene& scene, const Layout& layout, const std::vector<ShapeTraits>& traits,
+                       const glm::dmat4& device_from_world, const PackedScene& packed) {
   const PackMemory& before = *layout.memory;
   if (!before.is_still || before.packed.origin != packed.origin || before.packed.moves()) return false;
+  if (before.packing.quality != layout.quality || before.traits != traits) return false;
+  if (layout.with_sources && !before.packing.sources) return false;
+  // Rays look alpha up, of which there may be another.
+  const auto asks = [](const ShapeTraits& one) { return one.alpha_mode != AlphaMode::opaque; };
+  if (before.other_images && std::ranges::any_of(traits, asks)) return false;
   if (before.near == layout.near) return true;
   return before.packed.cut.triangles == 0 && !has_huge(scene, layout, device_from_world, packed);
 }
 
-void take_surfaces(PackMemory& memory, PackedScene& packed) {
+bool any_shines(const Scene& scene, const Usage& usage) {
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    if (usage.material_used[m] && !scene.materials[m].unlit && scene.materials[m].emission != glm::vec3(0.0f))
+      return true;
+  return false;
+}
+
+// Which lights triangles are, in their order, and those of instances.
+std::vector<std::uint32_t> light_marks(const PackedScene& packed) {
+  std::vector<std::uint32_t> marks;
+  marks.reserve(packed.triangles.size() + packed.instances.size());
+  for (const gpu::Triangle& triangle : packed.triangles) marks.push_back(triangle.light);
+  for (const gpu::Instance& instance : packed.instances) marks.push_back(instance.first_light);
+  return marks;
+}
+
+void take_materials(PackMemory& memory, PackedScene& packed) {
   PackedScene& before = memory.packed;
   packed.materials = std::move(before.materials);
   packed.material_names = std::move(before.material_names);
   packed.layers = std::move(before.layers);
   packed.albedo_tables = std::move(before.albedo_tables);
+}
+
+void take_textures(PackMemory& memory, PackedScene& packed) {
+  PackedScene& before = memory.packed;
   packed.textures = std::move(before.textures);
   packed.texels = std::move(before.texels);
   packed.atlases = std::move(before.atlases);
+}
+
+void take_environment(PackMemory& memory, PackedScene& packed) {
+  PackedScene& before = memory.packed;
   packed.environment_radiance = before.environment_radiance;
   packed.environment_rotation = before.environment_rotation;
   packed.environment_width = before.environment_width;
   packed.environment_height = before.environment_height;
   packed.environment = std::move(before.environment);
   packed.environment_ends = std::move(before.environment_ends);
+}
+
+void take_lights(PackMemory& memory, PackedScene& packed) {
+  PackedScene& before = memory.packed;
+  packed.lights = std::move(before.lights);
+  packed.lamp_sources = std::move(before.lamp_sources);
+  packed.light_parts = std::move(before.light_parts);
+  packed.local_light_count = before.local_light_count;
+  packed.light_tree = std::move(before.light_tree);
+  packed.light_tree_depth = before.light_tree_depth;
+  packed.light_locations = before.light_locations;
+  packed.typical_radiance = before.typical_radiance;
+  packed.environment_probability = before.environment_probability;
 }
 
 void take_geometry(PackMemory& memory, PackedScene& packed) {
@@ -247,7 +292,7 @@ void place_catcher(const Scene& scene, const std::vector<std::uint32_t>& materia
   }
 }
 
-void pack_surfaces(Scene& scene, const std::vector<std::uint32_t>& material_index, MaterialTable& materials,
+void pack_surfaces(const Scene& scene, const std::vector<std::uint32_t>& material_index, MaterialTable& materials,
                    PackedScene& packed) {
   packed.materials = std::move(materials.materials);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
@@ -255,15 +300,19 @@ void pack_surfaces(Scene& scene, const std::vector<std::uint32_t>& material_inde
   if (packed.materials.size() > gpu::kTriangleMaterialMask)
     throw Error(scene.path, "has more than 268435455 materials", "merge materials that are equal");
   packed.layers = std::move(materials.layers);
-  packed.textures = materials.textures.textures;
-  packed.texels = pack_texels(materials.textures, scene);
-  packed.atlases = pack_atlases(materials.textures, scene);
-  warn_of_exact(materials.textures, scene.warnings);
+}
+
+void pack_textures(Scene& scene, const TextureTable& textures, PackedScene& packed) {
+  packed.textures = textures.textures;
+  packed.texels = pack_texels(textures, scene);
+  packed.atlases = pack_atlases(textures, scene);
+  warn_of_exact(textures, scene.warnings);
 }
 
 // Triangles, the trees over them, and vertices. `object_of`: by instance, of a two-level scene.
 void pack_geometry(Scene& scene, Layout& layout, const glm::dmat4& device_from_world, std::vector<Object>& objects,
                    std::vector<std::uint32_t>& object_of, PackedScene& packed) {
+  layout.alpha.emplace(scene, layout.usage);
   const Streams streams = needed_streams(scene, layout.usage);
   layout.with_vertices = streams.any();
   const auto start = Clock::now();
@@ -302,7 +351,11 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   PackedScene packed;
   packed.bvh_quality = packing.quality;
   packed.node_names = scene.node_names;
-  place_origin(scene, packing.eye, packed);
+  if (before.has_packed && before.is_still && before.packing.eye == packing.eye) {
+    packed.origin = before.packed.origin, packed.radius = before.packed.radius, packed.centre = before.packed.centre;
+  } else {
+    place_origin(scene, packing.eye, packed);
+  }
   Layout layout(scene);
   layout.quality = packing.quality;
   layout.with_sources = packing.sources;
@@ -311,25 +364,67 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   before.kept = {};
   before.trees.built = 0;
 
-  before.kept.surfaces = before.has_packed && before.material_used == layout.usage.material_used;
-  if (before.kept.surfaces) {
+  KeptParts& kept = before.kept;
+  const bool same_uses = before.has_packed && before.material_used == layout.usage.material_used;
+  const bool same_look_up = before.packing.mips == packing.mips && before.packing.samplers == packing.samplers;
+  const bool same_materials = same_uses && same_look_up && !before.other_materials && !before.other_images;
+  kept.environment = before.has_packed && !before.other_environment && before.packing.direct == packing.direct;
+  if (same_materials) {
+    kept.textures = true;
     layout.material_index = before.material_index;
-    take_surfaces(before, packed);
+    take_materials(before, packed);
+    take_textures(before, packed);
   } else {
     MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
     layout.material_index = std::move(materials.packed_index);
     pack_surfaces(scene, layout.material_index, materials, packed);
-    before.environment = pack_environment(scene.environment, packing.direct, packed);
+    kept.textures = before.has_packed && same_look_up && !before.other_images &&
+                    holds_same_texels(before.textures, materials.textures);
+    if (kept.textures)
+      take_textures(before, packed);
+    else
+      pack_textures(scene, materials.textures, packed);
+    if (memory) memory->textures = std::move(materials.textures);
   }
+  if (kept.environment)
+    take_environment(before, packed);
+  else
+    before.environment = pack_environment(scene.environment, packing.direct, packed);
+  kept.surfaces = same_materials && kept.environment;
 
   place_catcher(scene, layout.material_index, packed);
   const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
-  before.kept.geometry = before.kept.surfaces && has_same_geometry(scene, layout, device_from_world, packed);
-  if (before.kept.geometry)
+  std::vector<ShapeTraits> traits = std::move(before.traits);
+  if (memory && !(same_materials && traits.size() == scene.materials.size())) {
+    std::vector<ShapeTraits> now;
+    for (const Material& material : scene.materials) now.push_back(shape_traits(material));
+    before.traits = std::move(traits);
+    traits = std::move(now);
+  } else {
+    before.traits = traits;
+  }
+  kept.geometry = same_uses && has_same_geometry(scene, layout, traits, device_from_world, packed);
+  if (kept.geometry)
     take_geometry(before, packed);
   else
     pack_geometry(scene, layout, device_from_world, before.objects, before.object_of, packed);
-  pack_lights(scene, before.objects, before.object_of, before.environment, packing.direct, packing.lights, packed);
+  const bool shines = any_shines(scene, layout.usage);
+  kept.lights = kept.geometry && kept.environment && before.packing.direct == packing.direct &&
+                before.packing.lights == packing.lights && before.lights == scene.lights &&
+                (same_materials || !(shines || before.shone));
+  kept.marks = kept.lights || (kept.geometry && same_materials && before.packing.direct == packing.direct);
+  if (kept.lights) {
+    take_lights(before, packed);
+  } else {
+    std::vector<std::uint32_t> marks;
+    if (kept.geometry && !kept.marks) {
+      marks = light_marks(packed);
+      for (gpu::Triangle& triangle : packed.triangles) triangle.light = gpu::kNone;
+      for (gpu::Instance& instance : packed.instances) instance.first_light = 0;
+    }
+    pack_lights(scene, before.objects, before.object_of, before.environment, packing.direct, packing.lights, packed);
+    if (kept.geometry && !kept.marks) kept.marks = marks == light_marks(packed);
+  }
   if (!packing.light_groups.empty())
     pack_light_groups(find_light_groups(scene, packing.light_groups), layout.material_index, packed);
   packed.features = find_features(scene, layout.usage, packed);
@@ -339,7 +434,7 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
         packed.layers[layout.material_index[m]].layer_tangents = packed.layer_tangents;
     const std::size_t texels =
         packed.materials.size() * gpu::kMaterialTexels + packed.layers.size() * gpu::kLayerTexels;
-    if (!before.kept.surfaces)
+    if (!same_materials)
       packed.albedo_tables =
           make_albedo_tables(packed.materials, packed.layers, lobes, static_cast<std::uint32_t>(texels));
   } else {
@@ -351,11 +446,32 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
     memory->material_index = std::move(layout.material_index);
     memory->material_used = std::move(layout.usage.material_used);
     memory->near = std::move(layout.near);
+    memory->packing = packing;
+    memory->traits = std::move(traits);
+    memory->lights = scene.lights;
+    memory->shone = shines;
   }
   return packed;
 }
 
 } // namespace
+
+ShapeTraits shape_traits(const Material& m) {
+  ShapeTraits traits;
+  const bool bits[] = {m.double_sided,    m.transmission > 0.0f, m.diffuse_transmission > 0.0f, m.unlit,
+                       may_be_pane(m),    may_be_wall(m),        m.emission != glm::vec3(0.0f), is_body(m),
+                       needs_tangents(m), has_layer_tangents(m)};
+  for (const bool bit : bits) traits.flags = traits.flags << 1 | (bit ? 1u : 0u);
+  traits.alpha_mode = m.alpha_mode;
+  if (m.alpha_mode != AlphaMode::opaque) traits.alpha = m.base_color.a;
+  if (m.alpha_mode == AlphaMode::mask) traits.alpha_cutoff = m.alpha_cutoff;
+  visit_textures(m, [&](const MaterialTexture& row, const TextureSlot& slot) {
+    const bool covers = row.field == &Material::base_color_texture && m.alpha_mode != AlphaMode::opaque;
+    TextureSlot& kept = traits.textures.emplace_back(slot);
+    if (!covers) kept.image = kNoIndex;
+  });
+  return traits;
+}
 
 PackedScene pack(Scene& scene, const Packing& packing) { return pack_scene(scene, packing, nullptr); }
 

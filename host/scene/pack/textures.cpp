@@ -214,6 +214,18 @@ std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures) {
   return bytes;
 }
 
+bool holds_same_texels(const TextureTable& a, const TextureTable& b) {
+  const auto same_size = [](const Atlas& x, const Atlas& y) {
+    return x.width == y.width && x.height == y.height && x.layers == y.layers;
+  };
+  const bool same_records = a.textures.size() == b.textures.size() &&
+                            (a.textures.empty() || std::memcmp(a.textures.data(), b.textures.data(),
+                                                               a.textures.size() * sizeof(gpu::Texture)) == 0);
+  return same_records && a.word_count == b.word_count && a.images == b.images && a.mips == b.mips &&
+         a.tile_of == b.tile_of && a.known_tiles == b.known_tiles && same_size(a.atlases[0], b.atlases[0]) &&
+         same_size(a.atlases[1], b.atlases[1]);
+}
+
 std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene) {
   if (table.word_count > gpu::kNone) throw Error(scene.path, "has more than 16 GiB of texels", "use smaller textures");
   std::vector<std::uint32_t> texels(table.word_count);

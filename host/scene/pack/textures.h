@@ -23,6 +23,8 @@ struct StoredImage {
   bool decode_srgb = false;
   std::uint64_t first_word = 0;
   std::uint32_t beside = 0; // 2^beside images of the same size lie side by side (kernels/base/tile_order.h)
+
+  bool operator==(const StoredImage&) const = default;
 };
 
 // An image's mip levels in the texel buffer.
@@ -30,6 +32,8 @@ struct StoredMips {
   std::uint32_t image = 0;
   MipKind kind;
   std::uint64_t first_word = 0;
+
+  bool operator==(const StoredMips&) const = default;
 };
 
 struct TextureTable {
@@ -72,6 +76,9 @@ ExactTextures count_exact(const TextureTable& table);
 
 // Bytes that mip levels of textures without them would take.
 std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures);
+
+// True if both tables hold the same texels at the same places, provided that images are the same.
+bool holds_same_texels(const TextureTable& a, const TextureTable& b);
 
 // The texel buffer of all images in the table and their mip levels. Throws Error if it has more words than 32 bits can
 // address.
