@@ -41,8 +41,8 @@ struct Room {
   }
 };
 
-constexpr std::size_t kFloor = 0, kOwn = 1, kTwin = 2, kOtherTwin = 3; // nodes
-constexpr std::size_t kFloorMaterial = 0, kOwnMaterial = 1;
+constexpr std::size_t kOwn = 1, kTwin = 2, kOtherTwin = 3; // nodes; the floor is 0
+constexpr std::size_t kOwnMaterial = 1;
 
 std::vector<double> list(const glm::dmat4& m) {
   std::vector<double> values;
