@@ -405,7 +405,8 @@ TEST_F(PassMotion, RefusesWhatHasNoOtherPicture) {
   expect_refused(line + "--aov motion_back", "has no other picture");
   expect_refused(line + "--camera-to 0", "--camera-to: means nothing without --aov motion");
   expect_refused(line + "--aov motion --motion-to 1", "means nothing without an animation");
-  expect_refused(line + "--aov motion --camera-to 1,2,x,4,5,6", "--camera-to");
+  expect_refused(line + "--aov motion --camera-to 1,2,x,4,5,6", "is not six numbers");
+  expect_refused(line + "--aov motion --camera-to 1,2,3,4,5,6,0,y,0", "is not nine numbers");
   expect_refused(line + "--aov motion --camera-to 1,2,3,1,2,3", "--camera-to");
   expect_refused(line + "--aov motion --turntable 90 --frames 0:1 --camera-to 0", "is told by the frames");
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "no.exr"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -76,14 +77,15 @@ glm::dvec3 FlagValue::triple() const {
 }
 
 std::vector<double> FlagValue::numbers(std::size_t count, const char* remedy) const {
-  constexpr std::string_view kWords[] = {"no", "one", "two", "three", "four"};
+  constexpr std::string_view kWords[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"};
   std::vector<double> values;
   std::string_view rest = text;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t end = i + 1 < count ? rest.find(',') : rest.size();
     const std::optional<double> value =
         end == std::string_view::npos ? std::nullopt : parse_finite(rest.substr(0, end));
-    if (!value) refuse(fmt::format("is not {} numbers", kWords[count]), remedy);
+    if (!value)
+      refuse(count < std::size(kWords) ? fmt::format("is not {} numbers", kWords[count]) : "lacks a number", remedy);
     values.push_back(*value);
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
