@@ -11,6 +11,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/scene/gltf/uri.h"
+#include "host/scene/material.h"
 
 namespace wavepath::gltf {
 namespace {
