@@ -119,7 +119,7 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
       {"--catcher", "ground|NODE",
        "shadow catcher, for pictures to be put over a photograph that shows this surface. Alpha is the share of its "
        "light that objects take, colour the light that they bring. ground: the floor of --ground, which it adds. "
-       "NODE: name or index of a node of the file. Implies --transparent",
+       "NODE: name or index of a node of the file, with all below it. Implies --transparent",
        "none", kAdvanced},
       [&](const FlagValue& value) {
         if (value.text.empty()) value.refuse("names nothing", "give ground, or a node of the file");
