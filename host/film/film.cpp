@@ -244,7 +244,7 @@ std::size_t block_there(const Film& film, std::size_t block, const Film& other) 
   return (row * gpu::blocks_touched(there.left, there.width, x) + column) * each + block % each;
 }
 
-// Where a film keeps the probed pixel of a block: its index, or pixels() + block if it lies outside.
+// The place that a film has for the probed pixel of a block: its index, or pixels() + block if it lies outside.
 std::uint32_t place_of_probed(const FilmShape& shape, std::uint32_t block) {
   const gpu::FilmArea area = shape.area();
   const std::uint32_t whole = gpu::block_in_picture(block, area, shape.probes());

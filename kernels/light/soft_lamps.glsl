@@ -59,7 +59,7 @@ vec3 lamp_radiance(Light light, vec3 direction, float distance_) {
 }
 
 #ifdef BIND_LIGHTS
-// Of a local light by its index; 0 for triangles, which have other values in that place.
+// The radius of a local light by its index; 0 for triangles, which have other values in that place.
 float sphere_radius(uint index) {
   if (texelFetch(light_texels, int(index * kLightTexels)).w == kLightTriangle) return 0.0;
   return uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);

@@ -12,7 +12,7 @@ namespace {
               "choose another --shutter, or leave it out");
 }
 
-// What was added to the file, such as a floor, comes last, has no node and stays where it is.
+// Objects that the file lacks, such as a floor, come last, have no node and stay where they are.
 std::size_t instances_of_file(const Scene& scene) {
   std::size_t count = scene.instances.size();
   while (count > 0 && scene.instances[count - 1].node == kNoIndex) --count;

@@ -20,7 +20,7 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
 // before children. Throws Error.
 std::vector<int> scene_nodes(const Document& document, const std::string& request);
 
-// By node; kNoIndex where it has none. Throws Error if a node has two.
+// The node above each node; kNoIndex where it has none. Throws Error if a node has two.
 std::vector<std::uint32_t> node_parents(const Document& document);
 
 // World matrices of all nodes, composed in double. A node's matrix whose last row is 0,0,0,1 but for kAffineRounding is
@@ -31,11 +31,11 @@ inline constexpr double kAffineRounding = 1e-5;
 glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales);
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales = Scales::authored);
 
-// Of one node, relative to the node above it.
+// The matrix of one node, relative to the node above it.
 glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales);
 
 inline constexpr const char* kNodeVisibility = "KHR_node_visibility";
-// Whether that extension of the node itself hides it.
+// True if that extension of the node itself hides it.
 bool is_hidden(const tinygltf::Node& node);
 // For each node: true if KHR_node_visibility hides it or a node above it. Nodes must form no cycle, which
 // world_matrices() has checked.

@@ -114,7 +114,7 @@ bool has_huge(const Scene& scene, const Layout& layout, const glm::dmat4& device
   return false;
 }
 
-// Whether the geometry that was packed last is that of this scene. `traits`: of its materials.
+// True if the geometry that was packed last is that of this scene. `traits`: those of its materials.
 bool has_same_geometry(const Scene& scene, const Layout& layout, const std::vector<ShapeTraits>& traits,
                        const glm::dmat4& device_from_world, const PackedScene& packed) {
   const PackMemory& before = *layout.memory;
