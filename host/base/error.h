@@ -4,13 +4,20 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace wavepath {
 
 struct Error : std::runtime_error {
-  // `where`: the file, flag or device it is about. `problem`: what is wrong with it. `remedy`: what the user can do.
-  Error(const std::string& where, const std::string& problem, const std::string& remedy)
-      : std::runtime_error(where + ": " + problem + "; " + remedy) {}
+  Error(std::string about, std::string wrong, std::string advice)
+      : std::runtime_error(about + ": " + wrong + "; " + advice),
+        where(std::move(about)),
+        problem(std::move(wrong)),
+        remedy(std::move(advice)) {}
+
+  std::string where;   // the file, flag or device it is about
+  std::string problem; // what is wrong with it
+  std::string remedy;  // what the user can do
 };
 
 // The device is gone: reset by its driver, unplugged, or silent. Nothing that needs it will work any more.

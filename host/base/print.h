@@ -2,6 +2,7 @@
 // error, because it carries what was asked for.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -14,6 +15,16 @@ namespace wavepath {
 // Whoever read stdout is gone.
 struct ReaderGone : Error {
   using Error::Error;
+};
+
+// While it lives, the words of the calling thread are kept instead of printed. One at a time in a thread.
+class KeptWords {
+public:
+  KeptWords();
+  ~KeptWords();
+  KeptWords(KeptWords&&) = delete;
+
+  std::string out, err;
 };
 
 // Opens what the process was started without of stdin, stdout and stderr, so that no other file takes their place.

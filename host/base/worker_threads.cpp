@@ -21,6 +21,8 @@ constexpr double kPatience = 0.5;
 constexpr std::uint64_t kTelling = 10'000'000; // nanoseconds of running, below which waiting tells nothing
 constexpr std::chrono::milliseconds kBetweenLooks{20};
 
+std::atomic<bool> leaves_alone{false};
+
 std::vector<int> usable_cores() {
   cpu_set_t set;
   std::vector<int> cores;
@@ -65,14 +67,19 @@ bool waits_for_cores(std::span<const ThreadTimes> threads) {
   });
 }
 
+void leave_workers_alone() { leaves_alone = true; }
+
 WorkerThreads::Making::Making(WorkerThreads& workers) {
+  if (leaves_alone) return;
   static std::atomic<std::uint32_t> made{0};
   workers.name_ = fmt::format("worker {}", made++ % 10'000'000); // at most 15 characters
   pthread_getname_np(pthread_self(), own_name_, sizeof(own_name_));
   pthread_setname_np(pthread_self(), workers.name_.c_str());
 }
 
-WorkerThreads::Making::~Making() { pthread_setname_np(pthread_self(), own_name_); }
+WorkerThreads::Making::~Making() {
+  if (own_name_[0] != '\0') pthread_setname_np(pthread_self(), own_name_);
+}
 
 void WorkerThreads::prepare() {
   if (!name_.empty())

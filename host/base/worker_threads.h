@@ -24,6 +24,10 @@ struct ThreadTimes {
 // True if one of these threads waits for a good part of the time that it runs.
 bool waits_for_cores(std::span<const ThreadTimes> threads);
 
+// From here on, workers of this process run on whatever core Linux gives them: for a library, whose caller decides
+// about the threads of the process.
+void leave_workers_alone();
+
 // Threads on which a driver computes. Not safe to call from several threads.
 class WorkerThreads {
 public:
