@@ -31,8 +31,12 @@ Command add_relight(CLI::App& app);
 Command add_selftest(CLI::App& app);
 Command add_study(CLI::App& app, const std::string& command_line);
 
-// Parses, runs and returns the exit code. Throws Error, and UsageError for a command line that makes no sense.
-int run(int argument_count, const char* const* arguments);
+// Adds a command; `command_line`: as the user typed it.
+using AddCommand = Command (*)(CLI::App& app, const std::string& command_line);
+
+// Parses, runs and returns the exit code. `view`: adds the command `view`; null where there is no window, as in the
+// library. Throws Error, and UsageError for a command line that makes no sense.
+int run(int argument_count, const char* const* arguments, AddCommand view);
 
 // Prints one line for each kind of warning on stderr.
 void print_warnings(const Warnings& warnings);

@@ -1,6 +1,5 @@
 // wavepath compare: how far an image is from a reference, as numbers, as a map and as a check.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -17,6 +16,7 @@
 #include "host/picture/files/picture_io.h"
 #include "host/picture/metrics/metrics.h"
 #include "host/picture/place.h"
+#include "host/render/report/comparison.h"
 #include "host/render/report/stats.h"
 
 namespace wavepath {
@@ -41,23 +41,6 @@ const std::string_view kBoundable[] = {"mse", "relmse", "mrse", "relative_rms", 
 bool is_display(const std::string& path) {
   const auto format = picture_format(path);
   return format == PictureFormat::png || format == PictureFormat::jpg;
-}
-
-Json to_json(const CompareCommandRequest& request, const PictureMetrics& metrics, double flip) {
-  Json json{{"image", request.image}, {"reference", request.reference}};
-  if (metrics.finite()) {
-    json["mse"] = metrics.mse;
-    json["relmse"] = metrics.relmse;
-    json["mrse"] = metrics.mrse;
-    json["relative_rms"] = std::sqrt(metrics.relmse);
-    json["psnr"] = metrics.psnr;
-    json["flip"] = flip;
-    json["max"] = metrics.max;
-    json["p99.9"] = metrics.p999;
-    json["mean_ratio"] = metrics.mean_ratio;
-  }
-  json["nonfinite"] = {{"image", metrics.nonfinite_image}, {"reference", metrics.nonfinite_reference}};
-  return json;
 }
 
 void print(const Json& json) {
@@ -95,7 +78,8 @@ int run_compare(const CompareCommandRequest& request) {
       write_picture(request.map, error_map(image.width, image.height, map), {}, {false, 0.0, Tonemap::none});
   }
 
-  const Json json = to_json(request, metrics, flip);
+  Json json{{"image", request.image}, {"reference", request.reference}};
+  add_metrics(json, metrics, flip);
   std::string exceeded;
   if (metrics.finite())
     for (const Limit& limit : request.limits)

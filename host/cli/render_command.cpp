@@ -5,10 +5,8 @@
 #include "host/cli/flags.h"
 #include "host/cli/motion_flags.h"
 #include "host/cli/render_finish.h"
-#include "host/cli/render_flags.h"
 #include "host/cli/render_request.h"
 #include "host/cli/render_run.h"
-#include "host/cli/scene_flags.h"
 #include "host/cli/sequence.h"
 #include "host/cli/sequence_request.h"
 
@@ -38,18 +36,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   CLI::App* command = add_command(app, "render", "render a glTF scene to a picture");
   const auto request = std::make_shared<RenderCommandRequest>();
   request->command_line = command_line;
-  add_output_flags(*command, request->output);
-  add_scene_flags(*command, request->scene, true);
-  add_shutter_flag(*command, request->scene);
-  add_sequence_flags(*command, request->sequence);
-  add_motion_flags(*command, request->motion);
-  add_view_flags(*command, request->scene.view);
-  add_picture_flags(*command, kByRender, request->render);
-  add_stop_flags(*command, request->render);
-  add_transport_flags(*command, kByRender, request->render);
-  add_devices_flag(*command, request->render);
-  add_plan_flags(*command, request->render);
-  add_replay_flags(*command, request->render);
+  add_flags_of_render(*command, *request);
   return [request] { return run_render(*request); };
 }
 

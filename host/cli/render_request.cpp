@@ -8,6 +8,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/output_files.h"
+#include "host/cli/motion_flags.h"
 #include "host/codecs/picture_module.h"
 #include "host/picture/place.h"
 #include "host/render/report/plan_file.h"
@@ -35,14 +36,17 @@ void check_channels(const RenderCommandRequest& request) {
 // Refuses files that cannot be read or written.
 void check_files(RenderCommandRequest& request) {
   OutputRequest& output = request.output;
-  if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
+  if (output.pictures.empty() && !request.stays_in_memory)
+    output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
   const RenderPlan& settings = request.render.settings;
   for (const std::string& path : output.pictures) {
     require_format(path, settings.width, settings.height);
     if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the scene
   }
-  check_channels(request);
-  check_write_options(output);
+  if (!request.stays_in_memory) {
+    check_channels(request);
+    check_write_options(output);
+  }
   require_file(request.scene.path);
   const std::vector<std::string> targets = targets_of(request);
   refuse_overwriting(targets, inputs_of(request.scene, settings, output.reference));
@@ -76,6 +80,21 @@ std::optional<Picture> read_reference(RenderCommandRequest& request) {
 }
 
 } // namespace
+
+void add_flags_of_render(CLI::App& app, RenderCommandRequest& request) {
+  add_output_flags(app, request.output);
+  add_scene_flags(app, request.scene, true);
+  add_shutter_flag(app, request.scene);
+  add_sequence_flags(app, request.sequence);
+  add_motion_flags(app, request.motion);
+  add_view_flags(app, request.scene.view);
+  add_picture_flags(app, kByRender, request.render);
+  add_stop_flags(app, request.render);
+  add_transport_flags(app, kByRender, request.render);
+  add_devices_flag(app, request.render);
+  add_plan_flags(app, request.render);
+  add_replay_flags(app, request.render);
+}
 
 std::vector<std::string> targets_of(const RenderCommandRequest& request) {
   std::vector<std::string> targets = request.output.pictures;

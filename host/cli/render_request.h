@@ -21,11 +21,15 @@ struct RenderCommandRequest {
   RenderRequest render;
   OutputRequest output;
   std::string command_line;
+  bool stays_in_memory = false; // the picture is for the caller: no file is named by default, and none need hold it
   SequenceRequest sequence;
   MotionRequest motion;                // of a frame of a sequence: the frames beside it
   std::optional<FrameReport> frame;    // frame of the sequence that this render is; empty = no sequence
   ProgressDisplay* progress = nullptr; // display of all frames; null = the render shows its own
 };
+
+// Adds SCENE and all flags of `render`. `request` must outlive the parsing of `app`.
+void add_flags_of_render(CLI::App& app, RenderCommandRequest& request);
 
 // Every file that the command writes.
 std::vector<std::string> targets_of(const RenderCommandRequest& request);

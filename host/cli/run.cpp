@@ -11,7 +11,6 @@
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
-#include "host/cli/interrupt.h"
 #include "host/cli/render_flags.h"
 
 namespace wavepath {
@@ -66,8 +65,7 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
 
 } // namespace
 
-int run(int argument_count, const char* const* arguments) {
-  ignore_write_signals();
+int run(int argument_count, const char* const* arguments, AddCommand view) {
   CLI::App app("path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
   set_help_layout(app);
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
@@ -79,10 +77,16 @@ int run(int argument_count, const char* const* arguments) {
       "kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath. WAVEPATH_CACHE=FOLDER selects another folder, "
       "WAVEPATH_CACHE=off keeps none.");
   const std::string line = quote(argument_count, arguments);
-  const std::map<std::string, Command> commands = {
-      {"render", add_render(app, line)}, {"view", add_view(app, line)},   {"info", add_info(app)},
-      {"compare", add_compare(app)},     {"bench", add_bench(app)},       {"merge", add_merge(app)},
-      {"relight", add_relight(app)},     {"selftest", add_selftest(app)}, {"study", add_study(app, line)}};
+  std::map<std::string, Command> commands;
+  commands["render"] = add_render(app, line);
+  if (view) commands["view"] = view(app, line);
+  commands["info"] = add_info(app);
+  commands["compare"] = add_compare(app);
+  commands["bench"] = add_bench(app);
+  commands["merge"] = add_merge(app);
+  commands["relight"] = add_relight(app);
+  commands["selftest"] = add_selftest(app);
+  commands["study"] = add_study(app, line);
 
   try {
     std::vector<std::string> words = spelled_out({arguments, arguments + argument_count});

@@ -32,6 +32,7 @@
 #include "host/scene/pack/plan.h"
 #include "host/scene/staging/environment.h"
 #include "host/session/judge.h"
+#include "host/session/load.h"
 #include "host/session/open_scene.h"
 #include "host/session/resolve.h"
 #include "host/view/comparison_choice.h"
