@@ -18,9 +18,10 @@ struct LoadedModule {
   std::string problem;
 };
 
-// Where the module lies, from the folder of this program: beside it; as installed; from the tests of a build folder. A
+// Where the module lies, from the folder of this program or library: beside it; as installed (the library, the
+// program); from the tests of a build folder. A
 // run path would not do: AddressSanitizer opens libraries in the place of the program, and has none.
-constexpr const char* kModuleFolders[] = {"", "../lib/wavepath", "../host"};
+constexpr const char* kModuleFolders[] = {"", "wavepath", "../" WAVEPATH_LIBRARY_FOLDER "/wavepath", "../host"};
 
 void* open_module() {
   // Path of the program or library that contains this code. A program found by PATH is named without its folder; the
