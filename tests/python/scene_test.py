@@ -1,0 +1,244 @@
+"""A scene that stays on its device: many pictures, cameras, edits, jobs."""
+
+import numpy as np
+import pytest
+import wavepath
+from conftest import CORNELL, SCENES, same_bits
+
+pytestmark = pytest.mark.usefixtures("device")
+
+
+def image_of(scene, **flags):
+    return scene.render(**flags).image
+
+
+def test_second_pictures_have_the_bits_of_first_ones(cornell):
+    first = image_of(cornell)
+    other = image_of(cornell, max_depth=1, seed=5, size=(32, 16))
+    assert other.shape == (16, 32, 4)
+    assert same_bits(first, image_of(cornell))
+    assert same_bits(first, wavepath.render(CORNELL, size=(48, 48), spp=4).image)
+    assert same_bits(other, wavepath.render(CORNELL, size=(32, 16), spp=4, max_depth=1, seed=5).image)
+
+
+def test_cameras(cornell):
+    whole = image_of(cornell)
+    assert len(cornell.cameras) >= 1
+    assert same_bits(whole, image_of(cornell, camera=cornell.cameras[0]))
+    with pytest.raises(wavepath.UsageError, match="no camera of the scene"):
+        cornell.cameras["kamera"]
+    with pytest.raises(wavepath.UsageError, match="does not exist"):
+        cornell.cameras[99]
+    camera = wavepath.Camera(eye=(0, 1, 2.5), look_at=(0, 1, 0), yfov=50)
+    moved = image_of(cornell, camera=camera)
+    assert not np.array_equal(whole, moved)
+    cornell.camera = camera
+    assert same_bits(moved, image_of(cornell))
+
+
+def pose(eye, forward, up):
+    z = -np.asarray(forward, float) / np.linalg.norm(forward)
+    x = np.cross(up, z)
+    x /= np.linalg.norm(x)
+    matrix = np.eye(4)
+    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = x, np.cross(z, x), z, eye
+    return matrix
+
+
+def test_camera_of_a_matrix(cornell):
+    eye, forward = np.array([0.1, 1.1, 2.5]), np.array([0.05, -0.1, -1.0])
+    matrix = pose(eye, forward, (0, 1, 0))
+    look_at = wavepath.Camera(eye=eye, look_at=eye + forward, yfov=40)
+    focal = 24 / np.tan(np.radians(20))
+    k = np.array([[focal, 0, 24], [0, focal, 24], [0, 0, 1]])
+    ours = wavepath.Camera.from_matrix(matrix, K=k, size=(48, 48))
+    expected, found = image_of(cornell, camera=look_at), image_of(cornell, camera=ours)
+    assert np.abs(expected - found).mean() < 0.02 * expected.mean()
+    flipped = matrix @ np.diag([1.0, -1.0, -1.0, 1.0])
+    opencv = wavepath.Camera.from_matrix(flipped, K=k, size=(48, 48), convention="opencv")
+    assert same_bits(found, image_of(cornell, camera=opencv))
+
+
+@pytest.mark.parametrize("matrix, k, problem", [
+    (np.full((4, 4), np.nan), None, "not finite"),
+    (np.eye(3), None, "shape"),
+    (np.eye(4) * 2, None, "last row"),
+    (np.diag([2.0, 1, 1, 1]), None, "scales or shears"),
+    (np.diag([-1.0, 1, 1, 1]), None, "mirrors"),
+    (np.eye(4), np.full((3, 3), np.inf), "not finite"),
+    (np.eye(4), [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], "skewed"),
+    (np.eye(4), np.eye(4), "shape"),
+])
+def test_refuses_cameras(matrix, k, problem):
+    with pytest.raises(wavepath.UsageError, match=problem):
+        wavepath.Camera.from_matrix(matrix, K=k)
+
+
+def test_materials(cornell):
+    before = image_of(cornell)
+    names = list(cornell.materials)
+    material = cornell.materials[names[0]]
+    was = material.base_color
+    assert len(was) == 4 and 0 <= material.roughness <= 1
+    material.base_color = (0.9, 0.1, 0.1, 1.0)
+    material.roughness = 0.3
+    assert material.base_color == pytest.approx((0.9, 0.1, 0.1, 1.0)) and material.roughness == pytest.approx(0.3)
+    assert not np.array_equal(before, image_of(cornell))
+    assert material.roughness == pytest.approx(0.3)
+    rough = cornell.materials[names[0]]
+    rough.base_color = was
+    rough.roughness = 1.0
+    assert cornell.update()
+    assert cornell.last_update and cornell.update() == {}
+
+
+def test_an_edit_that_is_taken_back_leaves_no_trace(cornell):
+    before = image_of(cornell)
+    material, node = cornell.materials[0], cornell.nodes[0]
+    colour, matrix = material.base_color, node.matrix
+    moved = matrix.copy()
+    moved[0, 3] += 0.1
+    with cornell.edit():
+        material.base_color = (0.2, 0.3, 0.9, 1)
+        node.matrix = moved
+    assert np.array_equal(node.matrix, moved)
+    assert not np.array_equal(before, image_of(cornell))
+    with cornell.edit():
+        material.base_color = colour
+        node.matrix = None
+    assert np.array_equal(node.matrix, matrix)
+    assert same_bits(before, image_of(cornell))
+    node.visible = False
+    assert not node.visible and not np.array_equal(before, image_of(cornell))
+    node.visible = True
+    assert same_bits(before, image_of(cornell))
+
+
+def test_environments(device):
+    scene = wavepath.Scene(SCENES / "showcase.glb", device=device, size=(32, 18), spp=1, integrator="path")
+    scene.environment = (0.5, 0.5, 0.5)
+    grey = image_of(scene)
+    assert same_bits(grey, wavepath.render(SCENES / "showcase.glb", env=(0.5, 0.5, 0.5), size=(32, 18), spp=1,
+                                           integrator="path").image)
+    scene.environment = wavepath.Environment("sky", rotation=40, intensity=2)
+    assert not np.array_equal(grey, image_of(scene))
+    scene.environment = np.full((8, 16, 3), 0.5, np.float32)
+    assert np.abs(image_of(scene) - grey).mean() < 0.2
+    with pytest.raises(wavepath.UsageError, match="not finite"):
+        scene.environment = np.full((8, 16, 3), np.nan, np.float32)
+    with pytest.raises(wavepath.Error):
+        scene.environment = "none.hdr"
+        scene.render()
+
+
+def test_added_meshes(cornell):
+    before = image_of(cornell)
+    low, high = cornell.bounds
+    middle, reach = (low + high) / 2 * [1, 1, 0.2], 0.2 * (high - low).min()  # before the blocks
+    vertices = middle + reach * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    faces = [[0, 2, 1], [0, 3, 2]]  # towards the camera, since it is single-sided
+    material = wavepath.Material(base_color=(0, 1, 0), emission=(5, 0, 0))
+    node = cornell.add_mesh("card", vertices, faces, material=material)
+    result = cornell.render(aovs=["node"])
+    assert (result.aov["node"] == node.index).any() and result.names[node.index] == "card"
+    assert not np.array_equal(before, result.image)
+    node.remove()
+    assert same_bits(before, image_of(cornell))
+    for bad, problem in [((vertices, [[0, 1, 4]]), "outside"), ((vertices[:, :2], faces), "shape"),
+                         ((vertices, np.zeros((0, 3))), ""), ((vertices * np.nan, faces), "not finite")]:
+        with pytest.raises(wavepath.UsageError, match=problem):
+            cornell.add_mesh("bad", *bad)
+
+
+def test_textures(cornell):
+    before = image_of(cornell)
+    material = cornell.materials[0]
+    material.base_color_texture = np.zeros((4, 4, 3), np.uint8)
+    image_of(cornell)  # meshes without coordinates show one texel, or another error: no crash
+    with pytest.raises(wavepath.UsageError, match="values"):
+        material.base_color_texture = np.zeros((4, 4, 5), np.uint8)
+    with pytest.raises(ValueError):
+        material.base_color_texture = np.zeros(4, np.uint8)
+    assert before.shape == (48, 48, 4)
+
+
+@pytest.mark.parametrize("change, problem", [
+    (lambda scene: setattr(scene.materials[0], "roughnes", 0.5), "roughness"),
+    (lambda scene: setattr(scene.materials[0], "roughness", float("nan")), "not finite"),
+    (lambda scene: setattr(scene.materials[0], "roughness", 2), "cannot be"),
+    (lambda scene: setattr(scene.materials[0], "base_color", (1, 2)), "4 values"),
+    (lambda scene: scene.materials[0].colour, "no field"),
+    (lambda scene: setattr(scene.nodes[0], "matrix", np.full((4, 4), np.nan)), ""),
+    (lambda scene: setattr(scene.nodes[0], "matrix", np.zeros((4, 4))), ""),
+    (lambda scene: setattr(scene.nodes[0], "matrix", np.eye(3)), "shape"),
+    (lambda scene: scene.nodes["nowhere"], "no node"),
+    (lambda scene: scene.render(animation="walk"), ""),
+    (lambda scene: scene.render(ground=True), "another scene"),
+])
+def test_refuses_edits(cornell, change, problem):
+    before = image_of(cornell)
+    with pytest.raises(wavepath.Error, match=problem):
+        change(cornell)
+    assert same_bits(before, image_of(cornell))
+
+
+def test_batch(cornell):
+    cameras = [wavepath.Camera(eye=(x, 1, 2.5), look_at=(0, 1, 0)) for x in (-0.2, 0.0, 0.2)]
+    pictures = [result.image for result in cornell.batch(cameras, spp=2)]
+    assert len(pictures) == 3
+    for camera, picture in zip(cameras, pictures):
+        assert same_bits(picture, image_of(cornell, camera=camera, spp=2))
+    seeds = [result.stats["seed"] for result in cornell.batch(cameras, spp=1, seed="frame")]
+    assert seeds == [0, 1, 2]
+    early = cornell.batch(cameras * 100, spp=1)
+    next(early)
+    early.close()
+    with pytest.raises(wavepath.Error):
+        list(cornell.batch([wavepath.Camera(eye=(0, float("nan"), 0))]))
+
+
+def test_progressive(cornell):
+    finished = image_of(cornell, spp=64)
+    pictures = list(cornell.progressive(spp=64, every=0.01))
+    assert same_bits(pictures[-1].image, finished)
+    assert all(a.spp <= b.spp for a, b in zip(pictures, pictures[1:]))
+    spp = 0
+    for count, picture in enumerate(cornell.progressive(spp=100000, every=0.05)):
+        spp = picture.spp
+        if count == 1:
+            cornell.camera = wavepath.Camera(eye=(0, 1, 2.0), look_at=(0, 1, 0))
+        if count == 3:
+            break
+    assert 0 < spp < 100000
+    assert same_bits(image_of(cornell, camera=cornell.cameras[0], spp=64), finished)
+
+
+def test_jobs(cornell):
+    job = cornell.start(spp=4)
+    assert same_bits(job.result(timeout=60).image, image_of(cornell)) and job.done()
+    long = cornell.start(spp=60000)
+    with pytest.raises(TimeoutError):
+        long.result(timeout=0.05)
+    long.cancel()
+    assert long.done()
+    wrong = cornell.start(sampler="none")
+    with pytest.raises(wavepath.UsageError, match="--sampler"):
+        wrong.result()
+
+
+def test_progress_ends_a_render(cornell):
+    seen = []
+
+    def stop_soon(progress):
+        seen.append(progress.fraction)
+        return len(seen) < 3
+
+    result = cornell.render(spp=60000, progress=stop_soon)
+    assert result.stop == "interrupted" and 0 < result.spp < 60000 and seen == sorted(seen)
+
+    def fail(progress):
+        raise ZeroDivisionError("in a callback")
+
+    with pytest.raises(ZeroDivisionError):
+        cornell.render(spp=60000, progress=fail)
+    assert cornell.render(spp=60000, time=0.2, progress=True).stop == "time"
