@@ -1,8 +1,8 @@
 """The build backend of pyproject.toml (PEP 517, PEP 660): configures and builds with CMake, and packs a wheel.
 
 It uses the standard library alone. CMake, Ninja, a compiler, pybind11 and the libraries of wavepath must be installed;
-`./run python` installs them on Debian. WAVEPATH_PIP_BUILD names another build folder than build/pip; it is taken as it
-is if it is configured with -DWAVEPATH_PYTHON=ON."""
+`./run python` installs them on Debian. WAVEPATH_PIP_BUILD names another build folder than build/pip; where the module
+is built in it, nothing is built again, so that others may use it meanwhile."""
 
 import base64
 import hashlib
@@ -53,6 +53,8 @@ def _build(settings):
     chosen = os.environ.get("WAVEPATH_PIP_BUILD")
     folder = pathlib.Path(chosen or ROOT / "build" / "pip")
     options = [f"-D{name}={value}" for name, value in (settings or {}).items() if name.startswith("WAVEPATH_")]
+    if chosen and any(folder.glob("python/wavepath/_core*.so")):
+        return folder
     if not chosen or not (folder / "build.ninja").exists():
         python = getattr(sys, "_base_executable", sys.executable)  # a virtual environment has no headers
         _run("cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "-DWAVEPATH_PYTHON=ON", "-DWAVEPATH_TESTS=OFF",
