@@ -38,6 +38,8 @@ void refuse_what_is_no_picture(const std::string& name) {
     if (name == replay) refuse("replays one path and renders no picture", "use the command line");
   for (const char* film : {"frames", "fps", "turntable", "overwrite", "seed-per-frame"})
     if (name == film) refuse("makes a sequence of files", "use the command line, or render each moment (at, eye)");
+  if (name == "tev") refuse("sends the picture to another program", "show it by a callback for pictures so far");
+  if (name == "save-every") refuse("writes files of the render so far", "save the pictures that a callback gets");
 }
 
 // Between the parts of a list.
@@ -113,6 +115,7 @@ LibraryRequest read_request(const wavepath_v0::Scene& scene, const Settings& set
   words.emplace_back("SCENE"); // in place of the file, whose name may look like a flag
   parse(app, std::move(words));
   command.scene.path = scene.file;
+  check_motion(command.motion, command.render.settings, command.scene.load.animation, false);
   request.reference = resolve(command);
   require_writers(command.output);
   return request;

@@ -46,6 +46,12 @@ const std::vector<AovChannels>& aov_channels() {
                                                  {"position0", {"P0.X", "P0.Y", "P0.Z"}},
                                                  {"geometric", {"Ng.X", "Ng.Y", "Ng.Z"}},
                                                  {"uv", {"uv.X", "uv.Y"}},
+                                                 {"depth_min", {"Zmin"}},
+                                                 {"motion", {"motion.X", "motion.Y"}},
+                                                 {"motion_back", {"motionBack.X", "motionBack.Y"}},
+                                                 {"shadow", {"shadow"}},
+                                                 {"environment", {"environment.R", "environment.G", "environment.B"}},
+                                                 {"ao", {"ao"}},
                                                  {"denoised", {"denoised.R", "denoised.G", "denoised.B"}}};
   return table;
 }

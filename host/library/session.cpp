@@ -59,6 +59,7 @@ wavepath::PictureInfo info_of(const RenderCommandRequest& request, const Session
   info.scene = request.scene.path;
   info.command = request.command_line;
   info.repeat = picture.repeat;
+  if (!info.repeat.empty()) info.repeat += wavepath::layout_flags(request.output.write, request.output.pictures);
   info.plan = wavepath::to_line(picture.plan);
   info.filter = wavepath::kFilterNames[picture.settings.filter];
   info.bias = fmt::format("{}", fmt::join(picture.bias, "; "));
@@ -151,7 +152,7 @@ std::vector<Named> named(const std::vector<std::string>& names) {
 }
 
 // What the resident scene is told to become, where the request differs from what it shows.
-void follow(SessionState& state, const wavepath::SceneRequest& wanted) {
+void follow(SessionState& state, const wavepath::SceneRequest& wanted, const wavepath::MotionRequest& motion) {
   wavepath::SceneRequest now = state.loaded;
   now.load.at = wanted.load.at;
   now.load.shutter = wanted.load.shutter;
@@ -171,7 +172,9 @@ void follow(SessionState& state, const wavepath::SceneRequest& wanted) {
       wanted.environment_degrees != state.loaded.environment_degrees)
     session.set_environment({wanted.environment, wanted.environment_intensity, wanted.environment_degrees});
   session.set_view(wanted.view);
+  if (wavepath::flags_of(motion) != wavepath::flags_of(state.motion)) session.set_motion(motion);
   state.loaded = wanted;
+  state.motion = motion;
 }
 
 } // namespace
@@ -189,7 +192,8 @@ Session::Session(const Scene& scene, const Settings& settings, const std::option
         state->scene = scene;
         state->settings = settings;
         const wavepath::LibraryRequest request = wavepath::read_request(scene, settings);
-        wavepath::SessionRequest wanted{.scene = request.command.scene, .render = request.command.render};
+        wavepath::SessionRequest wanted{
+            .scene = request.command.scene, .render = request.command.render, .motion = request.command.motion};
         std::optional<DeviceLock> lock;
         if (device) {
           state->device = device->state();
@@ -199,6 +203,7 @@ Session::Session(const Scene& scene, const Settings& settings, const std::option
         state->session = std::make_unique<wavepath::Session>(wanted);
         if (!state->device) state->device = keep_device(state->session->device());
         state->loaded = wanted.scene;
+        state->motion = wanted.motion;
         return state;
       })) {}
 
@@ -244,7 +249,7 @@ Result Session::render(const Settings& settings, const Hooks& hooks) {
     const DeviceLock lock(*state_->device);
     const wavepath::LibraryRequest request =
         wavepath::read_request(state_->scene, Settings(state_->settings).add(settings));
-    follow(*state_, request.command.scene);
+    follow(*state_, request.command.scene, request.command.motion);
     const Result result = render_with(*state_->session, request, hooks);
     state_->edited.clear();
     if (!std::exchange(state_->keeps_kernels, true)) state_->device->device.device->pipeline_cache().save();
@@ -259,8 +264,10 @@ Result Session::render(const Camera& camera, const Settings& settings, const Hoo
 Result render(const Scene& scene, const Settings& settings, const Hooks& hooks) {
   return wavepath::guarded([&] {
     const wavepath::LibraryRequest request = wavepath::read_request(scene, settings);
-    wavepath::Session session(
-        {.scene = request.command.scene, .render = request.command.render, .use = wavepath::SessionUse::one_picture});
+    wavepath::Session session({.scene = request.command.scene,
+                               .render = request.command.render,
+                               .motion = request.command.motion,
+                               .use = wavepath::SessionUse::one_picture});
     return render_with(session, request, hooks);
   });
 }

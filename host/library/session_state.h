@@ -22,6 +22,7 @@ struct SessionState {
   std::shared_ptr<DeviceState> device;
   std::unique_ptr<wavepath::Session> session;
   wavepath::SceneRequest loaded;                    // what the session shows now
+  wavepath::MotionRequest motion;                   // and tells motion to
   bool keeps_kernels = false;                       // true once a picture's kernels are on disk
   std::map<std::size_t, wavepath::Material> edited; // materials as noted, until update() has done them
 };

@@ -18,7 +18,8 @@ from .settings import settings_of
 _IDS = ("ids", "node", "material")
 _NAMES = (
     "albedo", "normal", "depth", "position", "variance", "samples", "direct", "indirect", "emission", "roughness",
-    "metallic", "ids", "node", "material", "depth0", "normal0", "position0", "geometric", "uv", "denoised",
+    "metallic", "ids", "node", "material", "depth0", "normal0", "position0", "geometric", "uv", "depth_min",
+    "motion", "motion_back", "shadow", "environment", "ao", "denoised",
 )
 
 
@@ -75,6 +76,18 @@ class Result:
     def channel(self, name: str) -> NDArray[np.float32]:
         """One channel by its name in an EXR, such as ``"albedo.R"``: float32, height x width."""
         return self._core.floats([name], True)
+
+    @cached_property
+    def groups(self) -> dict[str, NDArray[np.float32]]:
+        """Light of each group of ``light_groups``, which add up to the picture: float32, height x width x 3.
+
+        >>> r = wavepath.render("scenes/cornell_box.gltf", spp=1, size=(8, 8), light_groups="each")
+        >>> [light.shape for light in r.groups.values()]
+        [(8, 8, 3)]
+        """
+        text = self._core.text("wavepath.light_groups")
+        layers = json.loads(text) if text else {}
+        return {name: self._core.floats([f"{layer}.{c}" for c in "RGB"]) for layer, name in layers.items()}
 
     @property
     def size(self) -> tuple[int, int]:

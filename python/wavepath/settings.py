@@ -5,9 +5,20 @@ from __future__ import annotations
 import os
 from typing import Any, Mapping
 
+from .camera import Camera
 from .errors import UsageError
 
 _ALIASES = {"aovs": "aov", "env": "env", "environment": "env", "denoised": "denoise"}
+
+
+def _other_camera(name: str, camera: Camera) -> Any:
+    """``camera_to`` and ``camera_from``, which know where a camera stands and looks, and its name."""
+    flags = dict(camera.flags)
+    if set(flags) == {"camera"}:
+        return str(flags["camera"])
+    if {"eye", "look_at"} <= set(flags):
+        return [float(x) for key in ("eye", "look_at", "up") if key in flags for x in flags[key]]
+    raise UsageError(name, "takes a camera by its name, or with eye and look_at", "give these")
 
 
 def _plain(name: str, value: Any) -> Any:
@@ -16,6 +27,8 @@ def _plain(name: str, value: Any) -> Any:
         return value
     if isinstance(value, os.PathLike):
         return os.fspath(value)
+    if isinstance(value, Camera):
+        return _other_camera(name, value)
     if hasattr(value, "tolist"):  # NumPy's numbers and arrays
         value = value.tolist()
         if isinstance(value, (bool, int, float, str)):

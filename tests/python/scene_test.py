@@ -36,6 +36,25 @@ def test_cameras(cornell):
     assert same_bits(moved, image_of(cornell))
 
 
+def test_motion_goes_to_the_camera_of_each_picture(cornell):
+    plain = image_of(cornell)
+    left, right = (wavepath.Camera(eye=(x, 1, 2.5), look_at=(x, 1, 0)) for x in (-0.2, 0.2))
+    for camera, other in ((left, right), (right, left)):
+        motion = cornell.render(camera, aovs=["motion"], camera_to=other).aov["motion"]
+        assert motion.shape == (48, 48, 2)
+        alone = wavepath.render(CORNELL, camera, size=(48, 48), spp=4, aovs=["motion"], camera_to=other)
+        assert np.abs(alone.aov["motion"] - motion).max() < 0.01
+        assert np.sign(np.median(motion[..., 0])) == (-1 if camera is left else 1)
+    assert same_bits(plain, image_of(cornell))
+
+
+def test_groups_of_lights_add_up(cornell):
+    result = cornell.render(light_groups="each", crop=(4, 8, 32, 16))
+    assert result.image.shape == (16, 32, 4) and result.groups
+    assert np.allclose(sum(result.groups.values()), result.image[..., :3], rtol=1e-5, atol=1e-6)
+    assert cornell.render().groups == {}
+
+
 def pose(eye, forward, up):
     z = -np.asarray(forward, float) / np.linalg.norm(forward)
     x = np.cross(up, z)
