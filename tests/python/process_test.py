@@ -180,7 +180,6 @@ def resident_kib():
     return int(re.search(r"VmRSS:\s+(\d+)", open("/proc/self/status").read()).group(1))
 
 
-@pytest.mark.parametrize("count", [int(os.environ.get("WAVEPATH_MANY_RENDERS", "300"))])
 def test_many_renders_in_constant_memory(device):
     count = int(os.environ.get("WAVEPATH_MANY_RENDERS", "300"))
     scene = wavepath.Scene(CORNELL, device=device, size=(16, 16), spp=1)
