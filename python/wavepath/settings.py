@@ -13,7 +13,7 @@ _ALIASES = {"aovs": "aov", "env": "env", "environment": "env", "denoised": "deno
 
 def _other_camera(name: str, camera: Camera) -> Any:
     """``camera_to`` and ``camera_from``, which know where a camera stands and looks, and its name."""
-    flags = dict(camera.flags)
+    flags: dict[str, Any] = dict(camera.flags)
     if set(flags) == {"camera"}:
         return str(flags["camera"])
     if {"eye", "look_at"} <= set(flags):
