@@ -157,6 +157,11 @@ void bind_result(py::module_& m) {
   py::class_<wp::Result>(m, "Result")
       .def_property_readonly("width", &wp::Result::width)
       .def_property_readonly("height", &wp::Result::height)
+      .def_property_readonly("place",
+                             [](const wp::Result& result) {
+                               const wp::Result::Place place = result.place();
+                               return py::make_tuple(place.left, place.top, place.whole_width, place.whole_height);
+                             })
       .def_property_readonly("spp", &wp::Result::spp)
       .def_property_readonly("seconds", &wp::Result::seconds)
       .def_property_readonly("error", &wp::Result::error)
@@ -254,6 +259,7 @@ wp::MeshData mesh_of(const std::string& name, const Floats& vertices,
 void bind_session(py::module_& m) {
   m.def("material_fields", &wp::Session::material_fields);
   m.def("material_textures", &wp::Session::material_textures);
+  m.def("light_fields", &wp::Session::light_fields);
   py::class_<HeldSession>(m, "Session")
       .def(py::init([](const std::string& file, const py::dict& settings, const std::optional<wp::Device>& device) {
              const wp::Settings all = settings_of(settings);
@@ -264,7 +270,14 @@ void bind_session(py::module_& m) {
       .def("cameras", [](const HeldSession& held) { return names_of(held.session->cameras()); })
       .def("nodes", [](const HeldSession& held) { return names_of(held.session->nodes()); })
       .def("materials", [](const HeldSession& held) { return names_of(held.session->materials()); })
-      .def("lights", [](const HeldSession& held) { return names_of(held.session->lights()); })
+      .def("lights",
+           [](const HeldSession& held) {
+             py::list list;
+             for (const wp::Named& light : held.session->lights()) list.append(py::make_tuple(light.name, light.index));
+             return list;
+           })
+      .def("light", released(&wp::Session::light))
+      .def("set_light", released(&wp::Session::set_light))
       .def("bounds", released(&wp::Session::bounds))
       .def("device", [](const HeldSession& held) { return held.session->device(); })
       .def("material", released(&wp::Session::material))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ground truth for training: views of a room with clean and noisy colour, depth, normals, node ids, flow and cameras.
+"""Ground truth for training: views of a room with clean and noisy colour, depth, normals, node ids, motion and cameras.
 
     ./run python examples/python/dataset.py SCENE FOLDER [VIEWS]
 
@@ -25,12 +25,6 @@ def look_at(eye, target):
     return pose
 
 
-def project(points, pose, k):
-    """Pixels of world points in the camera at `pose`."""
-    seen = (points - pose[:3, 3]) @ pose[:3, :3] * [1, -1, -1]
-    return (seen @ k.T)[..., :2] / seen[..., 2:]
-
-
 def main(file, folder, count):
     folder.mkdir(parents=True, exist_ok=True)
     focal = HEIGHT / 2 / np.tan(np.radians(FOV / 2))
@@ -42,16 +36,16 @@ def main(file, folder, count):
     eyes = [middle + reach * [np.cos(a), np.sin(3 * a), np.sin(a)] for a in turns]
     poses = [look_at(eye, eye + [np.cos(2 * a), -0.1, np.sin(2 * a)]) for eye, a in zip(eyes, turns)]
     cameras = [wavepath.Camera.from_matrix(pose, K=k) for pose in poses]
+    for camera, following in zip(cameras, cameras[1:] + cameras[:1]):
+        camera.flags["camera_to"] = following  # where motion goes
 
     start, grid = time.perf_counter(), []
     noisy = (result.image for result in scene.batch(cameras, spp=1, seed=1))
-    exact = scene.batch(cameras, spp=4, aovs=[*wavepath.GROUND_TRUTH, "position0"])
+    exact = scene.batch(cameras, spp=4, aovs=[*wavepath.GROUND_TRUTH, "motion"])
     for i, (clean, one_sample) in enumerate(zip(exact, noisy)):
-        here = np.stack(np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5), axis=-1)
-        flow = project(clean.aov["position0"], poses[(i + 1) % count], k) - here
         np.savez_compressed(folder / f"{i:05}.npz", colour=clean.image[..., :3], noisy=one_sample[..., :3],
                             depth=clean.aov["depth0"], normal=clean.aov["normal0"], node=clean.aov["node"],
-                            flow=flow.astype(np.float32), K=k, world_from_camera=poses[i])
+                            motion=clean.aov["motion"], K=k, world_from_camera=poses[i])
         if i % max(1, count // 12) == 0 and len(grid) < 12:
             colours = np.random.default_rng(0).random((256, 3))[clean.aov["node"] % 256]
             colour = clean.image[..., :3] * (0.2 / max(clean.image[..., :3].mean(), 1e-6))

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/overloaded.h"
+#include "host/library/field_value.h"
 #include "host/library/guard.h"
 #include "host/library/session_state.h"
 #include "host/render/settings/flag_value.h"
@@ -46,15 +47,6 @@ std::vector<std::string> list_textures() {
 
 [[noreturn]] void refuse_field(const std::string& name, const std::vector<std::string>& known) {
   throw wavepath::UsageError(name, "is no field of a material", wavepath::suggestion(name, known));
-}
-
-void check_value(const std::string& field, const std::vector<double>& value, std::size_t count) {
-  if (value.size() != count)
-    throw wavepath::UsageError(field, fmt::format("has {} values, not {}", count, value.size()),
-                               fmt::format("give {}", count == 1 ? "a number" : "as many numbers"));
-  for (const double number : value)
-    if (!std::isfinite(number))
-      throw wavepath::UsageError(field, "cannot be a number that is not finite", "give finite numbers");
 }
 
 // The material as it will be after update().

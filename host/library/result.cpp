@@ -95,6 +95,12 @@ public:
 
 std::uint32_t Result::width() const { return state_->picture.width; }
 std::uint32_t Result::height() const { return state_->picture.height; }
+Result::Place Result::place() const {
+  const wavepath::PicturePlace& place = state_->picture.place;
+  if (place.whole_width == 0) return {0, 0, width(), height()};
+  return {place.left, place.top, place.whole_width, place.whole_height};
+}
+
 std::uint32_t Result::spp() const { return state_->spp; }
 double Result::seconds() const { return state_->seconds; }
 double Result::error() const { return state_->error.value_or(std::numeric_limits<double>::quiet_NaN()); }

@@ -221,12 +221,6 @@ std::vector<Named> Session::materials() const {
   return named(names);
 }
 
-std::vector<Named> Session::lights() const {
-  std::vector<std::string> names;
-  for (const wavepath::PunctualLight& light : state_->session->scene().lights) names.push_back(light.name);
-  return named(names);
-}
-
 std::array<Point, 2> Session::bounds() const {
   return wavepath::guarded([&] {
     const DeviceLock lock(*state_->device);

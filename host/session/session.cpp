@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -78,6 +79,23 @@ void check_material(const Scene& scene, const Material& material) {
   });
 }
 
+void check_light(const PunctualLight& light) {
+  const auto require = [&](bool holds, const char* problem, const char* remedy) {
+    if (!holds) throw Error(light.name.empty() ? "light" : light.name, problem, remedy);
+  };
+  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
+  const glm::vec3& intensity = light.intensity;
+  require(in(intensity.x, 0.0, 1e30) && in(intensity.y, 0.0, 1e30) && in(intensity.z, 0.0, 1e30),
+          "has an intensity that is negative or not finite", "give 0 to 1e30");
+  require(in(light.range, 0.0, 1e30), "has a range that is negative or not finite", "give metres, or 0 for none");
+  require(in(light.outer_cone, 0.0, 0.5 * std::numbers::pi) && in(light.inner_cone, 0.0, light.outer_cone),
+          "has cones that are not in order", "give 0 <= inner <= outer <= 90 degrees");
+  if (light.kind == LightKind::directional)
+    require(in(light.extent, 0.0, 0.5 * std::numbers::pi), "is seen under no such angle", "give 0 to 180 degrees");
+  else
+    require(in(light.extent, 0.0, 1e9), "has no such radius", "give 0 to 1e9 metres");
+}
+
 void check_image(const Image& image) {
   const std::size_t values = 4 * std::size_t{image.width} * image.height;
   if (values == 0 || (image.bytes.size() != values && image.floats.size() != values) ||
@@ -128,6 +146,7 @@ struct Session::State {
   // Edits that poses do not keep.
   std::map<std::size_t, Material> materials;
   std::vector<Material> added_materials;
+  std::map<std::uint32_t, PunctualLight> lights; // by node
   std::map<std::size_t, AddedMesh> meshes; // by node
   std::vector<std::string> added_nodes;    // names
 
@@ -141,6 +160,7 @@ struct Session::State {
   Scene& scene() { return loaded.scene; }
   void require_edits(bool poses_only = false) const;
   void add_all();
+  void change_lights();
   bool pose_as(const SceneRequest& moment);
   bool is_pose_due(const RenderPlan& settings) const;
   void pose(const RenderPlan& settings);
@@ -158,11 +178,23 @@ void Session::State::require_edits(bool poses_only) const {
     throw Error(loaded.scene.path, "was opened without room for edits", "open a session with SessionUse::edits");
 }
 
+void Session::State::change_lights() {
+  for (PunctualLight& light : scene().lights) {
+    const auto found = lights.find(light.node);
+    if (found == lights.end()) continue;
+    const PunctualLight& edit = found->second;
+    light.intensity = edit.intensity;
+    light.inner_cone = edit.inner_cone, light.outer_cone = edit.outer_cone;
+    light.range = edit.range, light.extent = edit.extent;
+  }
+}
+
 // What is no part of the file, behind what is.
 void Session::State::add_all() {
   Scene& all = scene();
   all.materials.insert(all.materials.end(), added_materials.begin(), added_materials.end());
   for (const auto& [index, material] : materials) all.materials[index] = material;
+  change_lights();
   all.node_names.insert(all.node_names.end(), added_nodes.begin(), added_nodes.end());
   for (const auto& [node, added] : meshes) {
     if (!added.is_visible) continue;
@@ -391,6 +423,7 @@ void Session::set_environment(const EnvironmentRequest& environment) {
   wanted.environment_intensity = environment.intensity;
   wanted.environment_degrees = environment.degrees;
   s.without_added([&] { relight(wanted, s.loaded); });
+  s.change_lights();
   s.request.scene = wanted;
   s.other_environment = true;
   s.other_materials |= wanted.ground;
@@ -446,6 +479,19 @@ std::size_t Session::add_material(const Material& value) {
   s.scene().materials.push_back(value);
   s.other_materials = s.is_edited = true;
   return s.scene().materials.size() - 1;
+}
+
+void Session::set_light(std::uint32_t node, const PunctualLight& value) {
+  State& s = *state_;
+  s.require_edits();
+  if (s.poses) pose(); // nodes may show other lights
+  const auto light = std::ranges::find(s.scene().lights, node, &PunctualLight::node);
+  if (light == s.scene().lights.end())
+    throw Error(node == kNoIndex ? "light" : fmt::format("node {}", node), "shows no light", "name one that does");
+  check_light(value);
+  s.lights[node] = value;
+  s.change_lights();
+  s.is_posed = s.is_edited = true;
 }
 
 void Session::set_image(std::size_t index, Image value) {

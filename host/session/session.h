@@ -134,6 +134,9 @@ public:
   void set_environment(Environment environment);
   void set_material(std::size_t material, const Material& value);
   std::size_t add_material(const Material& value);
+  // Colour, cones, range and extent of the visible light of this node, or with kNoIndex of the one that no node carries
+  // (a sun or a lamp that was added). Its name, kind, place and direction stay.
+  void set_light(std::uint32_t node, const PunctualLight& value);
   // Replaces the texels of an image, of any size.
   void set_image(std::size_t image, Image value);
   std::size_t add_image(Image value);

@@ -24,6 +24,11 @@ public:
 
   std::uint32_t width() const;
   std::uint32_t height() const;
+  // Of the whole picture that it is a part of (--crop): the left top corner, and the size.
+  struct Place {
+    std::uint32_t left = 0, top = 0, whole_width = 0, whole_height = 0;
+  };
+  Place place() const;
   std::uint32_t spp() const; // samples of each pixel
   double seconds() const;    // of rendering
   double error() const;      // estimated relative RMS error; not a number if there are too few samples

@@ -63,7 +63,8 @@ class Camera:
         return camera
 
     def __repr__(self) -> str:
-        return f"Camera({', '.join(f'{name}={value!r}' for name, value in self.flags.items())})"
+        shown = (f"{name}={'Camera(...)' if isinstance(value, Camera) else repr(value)}" for name, value in self.flags.items())
+        return f"Camera({', '.join(shown)})"
 
 
 def _matrix(values: ArrayLike, size: int, name: str) -> list[list[float]]:

@@ -95,6 +95,11 @@ class Result:
         return self._core.width, self._core.height
 
     @property
+    def place(self) -> tuple[int, int, int, int]:
+        """Left, top, width and height: where a ``crop`` lies (its left top corner), and the size of the whole picture."""
+        return self._core.place
+
+    @property
     def spp(self) -> int:
         """Samples of each pixel."""
         return self._core.spp

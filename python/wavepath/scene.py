@@ -136,6 +136,48 @@ class Material:
         self.fields = {"metallic": 0.0, **fields}
 
 
+class Light:
+    """A light of the scene. Its fields are attributes.
+
+    ``intensity``: an array of red, green and blue, in candela, or in lux if the light is directional; a single number
+    is white. ``range``: metres at which a lamp has faded to nothing, 0 = nowhere. ``cones``: inner and outer half angle
+    of a spot, in degrees. ``radius``: metres, or ``angle``: degrees across of a directional light, 0 = hard shadows.
+    Its node moves and hides it; ``node`` is None for a sun or lamp that wavepath has added.
+
+    >>> scene = wavepath.Scene("scenes/analytic/spot_light.gltf")
+    >>> scene.lights[0].intensity *= 2
+    """
+
+    _scene: Scene
+    name: str
+    node: Optional[Node]
+
+    def __init__(self, scene: Scene, name: str, index: int) -> None:
+        object.__setattr__(self, "_scene", scene)
+        object.__setattr__(self, "_index", index)
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "node", Node(scene, index) if index < len(scene._core.nodes()) else None)
+
+    def __getattr__(self, field: str) -> Any:
+        if field.startswith("_"):
+            raise AttributeError(field)
+        value = self._scene._core.light(self._index, field)
+        return np.array(value) if field == "intensity" else value[0] if len(value) == 1 else tuple(value)
+
+    def __setattr__(self, field: str, value: Any) -> None:
+        values = np.asarray(value, dtype=np.float64).ravel().tolist()
+        if field == "intensity" and len(values) == 1:
+            values = values * 3
+        self._scene._touch()
+        self._scene._core.set_light(self._index, field, values)
+
+    def __dir__(self) -> list[str]:
+        return [*_core.light_fields(), "name", "node"]
+
+    def __repr__(self) -> str:
+        return f"<Light '{self.name}'>"
+
+
 class Environment:
     """Light from all directions. ``source``: a picture file, ``"studio"``, ``"sky"``, ``"black"``, ``"white"``, a
     radiance (r, g, b), or an array of height x width x 3 (lat-long, linear). ``rotation``: degrees about +Y."""
@@ -192,9 +234,10 @@ class Scene:
         return Named("material", self._core.materials(), lambda index: SceneMaterial(self, index))
 
     @property
-    def lights(self) -> Named[int]:
-        """Names of the lights, which can be hidden by their nodes; values are indices."""
-        return Named("light", self._core.lights(), lambda index: index)
+    def lights(self) -> Named[Light]:
+        """Lights of visible nodes, and a sun or lamp that wavepath has added."""
+        lights = self._core.lights()
+        return Named("light", [name for name, _ in lights], lambda index: Light(self, *lights[index]))
 
     @property
     def bounds(self) -> NDArray[np.float64]:

@@ -1,5 +1,7 @@
 """A scene that stays on its device: many pictures, cameras, edits, jobs."""
 
+import json
+
 import numpy as np
 import pytest
 import wavepath
@@ -51,8 +53,9 @@ def test_motion_goes_to_the_camera_of_each_picture(cornell):
 def test_groups_of_lights_add_up(cornell):
     result = cornell.render(light_groups="each", crop=(4, 8, 32, 16))
     assert result.image.shape == (16, 32, 4) and result.groups
+    assert result.size == (32, 16) and result.place == (4, 8, 48, 48)
     assert np.allclose(sum(result.groups.values()), result.image[..., :3], rtol=1e-5, atol=1e-6)
-    assert cornell.render().groups == {}
+    assert cornell.render().groups == {} and cornell.render().place == (0, 0, 48, 48)
 
 
 def pose(eye, forward, up):
@@ -133,6 +136,75 @@ def test_an_edit_that_is_taken_back_leaves_no_trace(cornell):
     assert same_bits(before, image_of(cornell))
 
 
+def spot_of(folder, **changes):
+    """The scene of a spot, with other fields of its light."""
+    document = json.loads((SCENES / "analytic" / "spot_light.gltf").read_text())
+    light = document["extensions"]["KHR_lights_punctual"]["lights"][0]
+    cones = changes.pop("spot", {})
+    light.update(changes)
+    light["spot"].update(cones)
+    file = folder / "spot.gltf"
+    file.write_text(json.dumps(document))
+    return file
+
+
+def test_lights_are_edited_to_the_bits_of_a_file(device, tmp_path):
+    options = {"size": (24, 24), "spp": 2, "env": "black"}
+    scene = wavepath.Scene(SCENES / "analytic" / "spot_light.gltf", device=device, **options)
+    before = image_of(scene)
+    light = scene.lights["spot"]
+    assert np.allclose(light.intensity, (10, 5, 2.5)) and light.range == 0 and light.radius == 0
+    assert np.allclose(np.radians(light.cones), (0.2, 0.6))
+    assert light.node.index == 2 and {"intensity", "cones", "node"} <= set(dir(light))
+
+    def file_with(**changes):
+        return wavepath.render(spot_of(tmp_path, **changes), **options).image
+
+    light.intensity *= 2
+    light.range = 1.5
+    assert same_bits(image_of(scene), file_with(intensity=20.0, range=1.5))
+    light.range = 0
+    light.cones = np.degrees((0.1, 0.3))
+    scene.nodes["spot"].matrix = scene.nodes["spot"].matrix  # poses the file again, which knows of no edit
+    narrow = image_of(scene)
+    assert np.allclose(narrow, file_with(intensity=20.0, spot={"innerConeAngle": 0.1, "outerConeAngle": 0.3}), rtol=1e-4)
+    assert not np.array_equal(narrow, before)
+    light.cones = np.degrees((0.2, 0.6))
+    light.intensity = (10, 5, 2.5)
+    assert np.allclose(image_of(scene), before, rtol=1e-4)
+    light.radius = 0.2
+    soft = wavepath.render(SCENES / "analytic" / "spot_light.gltf", lamp_radius=0.2, **options).image
+    assert np.allclose(image_of(scene), soft, rtol=1e-4) and not np.allclose(soft, before, rtol=1e-3)
+    scene.environment = (0.1, 0.1, 0.1)
+    image_of(scene)
+    assert light.radius == 0.2
+    scene.nodes["spot"].visible = False
+    image_of(scene)
+    assert not scene.lights
+    with pytest.raises(wavepath.UsageError, match="no light now"):
+        light.intensity = 1
+    scene.nodes["spot"].visible = True
+    image_of(scene)
+    assert light.radius == 0.2
+
+
+def test_lights_keep_their_nodes_when_others_are_hidden(device):
+    scene = wavepath.Scene(SCENES / "analytic" / "lights_of_all_sizes.gltf", device=device, size=(8, 8), spp=1)
+    sun = scene.lights["directional"]
+    scene.nodes["point"].visible = False
+    assert np.allclose(sun.intensity, 0.01)
+    sun.intensity = 3
+    sun.angle = 0.5
+    scene.nodes["point"].visible = True
+    assert np.allclose(scene.lights["point"].intensity, 10) and scene.lights["point"].radius == 0
+    assert np.allclose(scene.lights["directional"].intensity, 3) and sun.angle == pytest.approx(0.5)
+    added = wavepath.Scene(CORNELL, device=device, size=(8, 8), spp=1, sun=(60, 40))
+    assert added.lights["sun"].node is None
+    dark = image_of(added)
+    added.lights["sun"].intensity *= 4
+    assert image_of(added).mean() > dark.mean()
+
+
 def test_environments(device):
     scene = wavepath.Scene(SCENES / "showcase.glb", device=device, size=(32, 18), spp=1, integrator="path")
     scene.environment = (0.5, 0.5, 0.5)
@@ -191,6 +263,7 @@ def test_textures(cornell):
     (lambda scene: setattr(scene.nodes[0], "matrix", np.zeros((4, 4))), ""),
     (lambda scene: setattr(scene.nodes[0], "matrix", np.eye(3)), "shape"),
     (lambda scene: scene.nodes["nowhere"], "no node"),
+    (lambda scene: scene.lights["lamp"], "no light"),
     (lambda scene: scene.render(animation="walk"), ""),
     (lambda scene: scene.render(ground=True), "another scene"),
 ])
@@ -199,6 +272,25 @@ def test_refuses_edits(cornell, change, problem):
     with pytest.raises(wavepath.Error, match=problem):
         change(cornell)
     assert same_bits(before, image_of(cornell))
+
+
+@pytest.mark.parametrize("field, value, problem", [
+    ("intensity", (1, 2), "3 values"),
+    ("intensity", -1, "negative"),
+    ("intensity", float("nan"), "not finite"),
+    ("range", -1, "negative"),
+    ("cones", (40, 20), "not in order"),
+    ("cones", (0, 100), "not in order"),
+    ("radius", -1, "no such radius"),
+    ("angle", 1, "spot light, which has no 'angle'"),
+    ("intensty", 1, "did you mean intensity"),
+])
+def test_refuses_edits_of_lights(device, field, value, problem):
+    scene = wavepath.Scene(SCENES / "analytic" / "spot_light.gltf", device=device, size=(16, 16), spp=1)
+    before = image_of(scene)
+    with pytest.raises(wavepath.Error, match=problem):
+        setattr(scene.lights["spot"], field, value)
+    assert same_bits(before, image_of(scene))
 
 
 def test_batch(cornell):
