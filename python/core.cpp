@@ -272,8 +272,13 @@ void bind_session(py::module_& m) {
       .def("materials", [](const HeldSession& held) { return names_of(held.session->materials()); })
       .def("lights",
            [](const HeldSession& held) {
+             std::vector<wp::Named> lights;
+             {
+               const py::gil_scoped_release lock;
+               lights = held.session->lights();
+             }
              py::list list;
-             for (const wp::Named& light : held.session->lights()) list.append(py::make_tuple(light.name, light.index));
+             for (const wp::Named& light : lights) list.append(py::make_tuple(light.name, light.index));
              return list;
            })
       .def("light", released(&wp::Session::light))

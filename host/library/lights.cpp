@@ -57,13 +57,13 @@ const LightField kLightFields[] = {
 const LightField& field_of(const PunctualLight& light, const std::string& name) {
   const LightField* found = std::ranges::find(kLightFields, name, &LightField::name);
   if (found == std::end(kLightFields))
-    throw wavepath::UsageError(name, "is no field of a light",
-                               wavepath::suggestion(name, Session::light_fields()));
+    throw wavepath::UsageError(name, "is no field of a light", wavepath::suggestion(name, Session::light_fields()));
   static const char* const kinds[] = {"point", "spot", "directional"};
   if (!found->has(light.kind))
-    throw wavepath::UsageError(light.name.empty() ? "light" : light.name,
-                               fmt::format("is a {} light, which has no '{}'", kinds[static_cast<int>(light.kind)], name),
-                               "give a field that it has");
+    throw wavepath::UsageError(
+        light.name.empty() ? "light" : light.name,
+        fmt::format("is a {} light, which has no '{}'", kinds[static_cast<int>(light.kind)], name),
+        "give a field that it has");
   return *found;
 }
 
@@ -92,10 +92,14 @@ const std::vector<std::string>& Session::light_fields() {
 }
 
 std::vector<Named> Session::lights() const {
-  std::vector<Named> lights;
-  for (const PunctualLight& light : state_->session->scene().lights)
-    lights.push_back({light.name, light.node == wavepath::kNoIndex ? kAddedLight : light.node});
-  return lights;
+  return wavepath::guarded([&] {
+    const DeviceLock lock(*state_->device);
+    state_->session->pose(); // nodes that were shown or hidden
+    std::vector<Named> lights;
+    for (const PunctualLight& light : state_->session->scene().lights)
+      lights.push_back({light.name, light.node == wavepath::kNoIndex ? kAddedLight : light.node});
+    return lights;
+  });
 }
 
 std::vector<double> Session::light(std::size_t node, const std::string& field) const {

@@ -147,8 +147,8 @@ struct Session::State {
   std::map<std::size_t, Material> materials;
   std::vector<Material> added_materials;
   std::map<std::uint32_t, PunctualLight> lights; // by node
-  std::map<std::size_t, AddedMesh> meshes; // by node
-  std::vector<std::string> added_nodes;    // names
+  std::map<std::size_t, AddedMesh> meshes;       // by node
+  std::vector<std::string> added_nodes;          // names
 
   // What update() has to do.
   bool poses = false, moves = false; // the file is posed again; instances are not where they were

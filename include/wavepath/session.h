@@ -74,7 +74,7 @@ public:
   std::vector<Named> cameras() const;
   std::vector<Named> nodes() const;
   std::vector<Named> materials() const;
-  std::vector<Named> lights() const; // those of visible nodes; index: the node, or kAddedLight
+  std::vector<Named> lights() const;   // those of visible nodes; index: the node, or kAddedLight
   std::array<Point, 2> bounds() const; // corners of the box around all vertices
   Device device() const;
 
@@ -89,10 +89,10 @@ public:
   void set_material(std::size_t material, const std::string& field, const std::vector<double>& value);
   void set_texture(std::size_t material, const std::string& texture, const Texels& texels);
   std::size_t add_material(const std::string& name); // with glTF's defaults; returns its index
-  // Fields of a light: "intensity" (3 values, candela, or lux of a directional one), "range" (metres; 0 = none), "cones"
-  // (inner and outer half angle of a spot in degrees), "radius" (metres) or "angle" (of a directional one, in degrees
-  // across) of a soft one. A light is named by the node that carries it, or is kAddedLight: the sun or lamp that wavepath
-  // has added. Place, direction and visibility are those of the node.
+  // Fields of a light: "intensity" (3 values, candela, or lux of a directional one), "range" (metres; 0 = none),
+  // "cones" (inner and outer half angle of a spot in degrees), "radius" (metres) or "angle" (of a directional one, in
+  // degrees across) of a soft one. A light is named by the node that carries it, or is kAddedLight: the sun or lamp
+  // that wavepath has added. Place, direction and visibility are those of the node.
   static constexpr std::size_t kAddedLight = static_cast<std::size_t>(-1);
   static const std::vector<std::string>& light_fields();
   std::vector<double> light(std::size_t node, const std::string& field) const;
