@@ -36,12 +36,13 @@ def main(file, folder, count):
     eyes = [middle + reach * [np.cos(a), np.sin(3 * a), np.sin(a)] for a in turns]
     poses = [look_at(eye, eye + [np.cos(2 * a), -0.1, np.sin(2 * a)]) for eye, a in zip(eyes, turns)]
     cameras = [wavepath.Camera.from_matrix(pose, K=k) for pose in poses]
-    for camera, following in zip(cameras, cameras[1:] + cameras[:1]):
+    moving = [wavepath.Camera.from_matrix(pose, K=k) for pose in poses]
+    for camera, following in zip(moving, cameras[1:] + cameras[:1]):
         camera.flags["camera_to"] = following  # where motion goes
 
     start, grid = time.perf_counter(), []
     noisy = (result.image for result in scene.batch(cameras, spp=1, seed=1))
-    exact = scene.batch(cameras, spp=4, aovs=[*wavepath.GROUND_TRUTH, "motion"])
+    exact = scene.batch(moving, spp=4, aovs=[*wavepath.GROUND_TRUTH, "motion"])
     for i, (clean, one_sample) in enumerate(zip(exact, noisy)):
         np.savez_compressed(folder / f"{i:05}.npz", colour=clean.image[..., :3], noisy=one_sample[..., :3],
                             depth=clean.aov["depth0"], normal=clean.aov["normal0"], node=clean.aov["node"],

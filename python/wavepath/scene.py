@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import os
 import queue
 import threading
+import weakref
 from collections.abc import Mapping
 from typing import Any, Callable, Generic, Iterable, Iterator, Optional, TypeVar, Union
 
@@ -407,6 +409,16 @@ def _rows(name: str, values: ArrayLike, width: int, dtype: Any) -> NDArray[Any]:
     return array
 
 
+_running: weakref.WeakSet[Job] = weakref.WeakSet()
+
+
+@atexit.register
+def _end_jobs() -> None:
+    """Python ends threads that want its lock while it shuts down, and C++ cannot be ended so."""
+    for job in list(_running):
+        job.cancel()
+
+
 class Job:
     """A render in another thread."""
 
@@ -437,6 +449,7 @@ class Job:
             self._pictures.put(None)
 
         self._thread = threading.Thread(target=run, name="wavepath", daemon=True)
+        _running.add(self)
         self._thread.start()
 
     def done(self) -> bool:
@@ -446,7 +459,7 @@ class Job:
     def cancel(self) -> None:
         """End it with what it has, and wait for that."""
         self._cancelled.set()
-        self._done.wait()
+        self._thread.join()
 
     def result(self, timeout: Optional[float] = None) -> Result:
         """Wait for the picture. Raises TimeoutError after ``timeout`` seconds, and what the render raised."""

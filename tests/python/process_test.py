@@ -156,6 +156,22 @@ def test_ctrl_c_raises_interrupted_with_the_picture_so_far(call, check):
     assert (done.stdout.strip(), done.stderr) == ("1", "")
 
 
+LEFT_RUNNING = """
+import wavepath
+scene = wavepath.Scene({scene!r}, size=(64, 64))
+job = scene.start(spp=60000)
+pictures = scene.batch([None] * 3, spp=20000)
+while job.progress is None:
+    pass
+raise SystemExit(5)
+"""
+
+
+def test_a_program_can_end_while_it_renders():
+    done = run_python(LEFT_RUNNING.format(scene=CORNELL))
+    assert (done.returncode, done.stdout, done.stderr) == (5, "", "")
+
+
 QUIET = """
 import os, signal, threading, wavepath
 known = dict((s, signal.getsignal(s)) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGPIPE, signal.SIGXFSZ))
