@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ground truth for training: views of a room with clean and noisy colour, depth, normals, node ids, motion and cameras.
+"""Ground truth for training: views of a room with clean and noisy colour, depth, normals, ids, motion and cameras.
 
     ./run python examples/python/dataset.py SCENE FOLDER [VIEWS]
 
@@ -42,13 +42,14 @@ def main(file, folder, count):
 
     start, grid = time.perf_counter(), []
     noisy = (result.image for result in scene.batch(cameras, spp=1, seed=1))
-    exact = scene.batch(moving, spp=4, aovs=[*wavepath.GROUND_TRUTH, "motion"])
+    exact = scene.batch(moving, spp=4, aovs=[*wavepath.GROUND_TRUTH, "material", "motion"])
     for i, (clean, one_sample) in enumerate(zip(exact, noisy)):
         np.savez_compressed(folder / f"{i:05}.npz", colour=clean.image[..., :3], noisy=one_sample[..., :3],
                             depth=clean.aov["depth0"], normal=clean.aov["normal0"], node=clean.aov["node"],
+                            material=clean.aov["material"],
                             motion=clean.aov["motion"], K=k, world_from_camera=poses[i])
         if i % max(1, count // 12) == 0 and len(grid) < 12:
-            colours = np.random.default_rng(0).random((256, 3))[clean.aov["node"] % 256]
+            colours = np.random.default_rng(0).random((256, 3))[(31 * clean.aov["node"] + clean.aov["material"]) % 256]
             colour = clean.image[..., :3] * (0.2 / max(clean.image[..., :3].mean(), 1e-6))
             shown = [np.clip(colour, 0, 1) ** 0.45, clean.aov["normal0"] / 2 + 0.5, colours]
             grid.append(np.concatenate(shown))
