@@ -142,7 +142,7 @@ def constants_of(code, start):
 def declared_names(path):
     """Types, constants and functions that a header declares for all."""
     code = code_of(path)
-    types = re.findall(rf"^(?:template <.*>\s+)?(?:{TYPE_WORDS}) (\w+)(?=[^;]*?[{{=])", code, re.M)
+    types = re.findall(rf"^(?:template <.*>\s+)?(?:{TYPE_WORDS}) (?:WAVEPATH_API )?(\w+)(?=[^;]*?[{{=])", code, re.M)
     functions = re.findall(rf"^(?!return|#|{TYPE_WORDS})[\w\[][\w:<>,*& \[\]]* [*&]?(\w+)\(", code, re.M)
     return {*types, *functions} | constants_of(code, "^")
 

@@ -96,7 +96,7 @@ class Result:
 
     @property
     def place(self) -> tuple[int, int, int, int]:
-        """Left, top, width and height: where a ``crop`` lies (its left top corner), and the size of the whole picture."""
+        """Left, top, width, height: where the left top corner of a ``crop`` lies, and the size of the whole picture."""
         return self._core.place
 
     @property

@@ -167,7 +167,8 @@ def test_lights_are_edited_to_the_bits_of_a_file(device, tmp_path):
     light.cones = np.degrees((0.1, 0.3))
     scene.nodes["spot"].matrix = scene.nodes["spot"].matrix  # poses the file again, which knows of no edit
     narrow = image_of(scene)
-    assert np.allclose(narrow, file_with(intensity=20.0, spot={"innerConeAngle": 0.1, "outerConeAngle": 0.3}), rtol=1e-4)
+    of_file = file_with(intensity=20.0, spot={"innerConeAngle": 0.1, "outerConeAngle": 0.3})
+    assert np.allclose(narrow, of_file, rtol=1e-4)
     assert not np.array_equal(narrow, before)
     light.cones = np.degrees((0.2, 0.6))
     light.intensity = (10, 5, 2.5)
