@@ -63,8 +63,8 @@ class Camera:
         return camera
 
     def __repr__(self) -> str:
-        shown = {name: "Camera(...)" if isinstance(value, Camera) else repr(value) for name, value in self.flags.items()}
-        return f"Camera({', '.join(f'{name}={text}' for name, text in shown.items())})"
+        text_of = lambda value: "Camera(...)" if isinstance(value, Camera) else repr(value)
+        return f"Camera({', '.join(f'{name}={text_of(value)}' for name, value in self.flags.items())})"
 
 
 def _matrix(values: ArrayLike, size: int, name: str) -> list[list[float]]:
