@@ -53,10 +53,10 @@ Camera Camera::from_matrix(const Matrix4& world_from_camera, const std::optional
   return wavepath::guarded([&] {
     check_pose(world_from_camera);
     const double sign = axes == AxesOfCamera::opengl ? 1.0 : -1.0;
-    const glm::dvec3 eye = column(world_from_camera, 3);
+    const glm::dvec3 position = column(world_from_camera, 3);
     Camera camera;
-    camera.eye = point(eye);
-    camera.look_at = point(eye - sign * column(world_from_camera, 2));
+    camera.eye = point(position);
+    camera.look_at = point(position - sign * column(world_from_camera, 2));
     camera.up = point(sign * column(world_from_camera, 1));
     if (k) camera.intrinsics = intrinsics_of(*k);
     return camera;
