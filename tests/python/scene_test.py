@@ -199,11 +199,13 @@ def test_lights_keep_their_nodes_when_others_are_hidden(device):
     scene.nodes["point"].visible = True
     assert np.allclose(scene.lights["point"].intensity, 10) and scene.lights["point"].radius == 0
     assert np.allclose(scene.lights["directional"].intensity, 3) and sun.angle == pytest.approx(0.5)
-    added = wavepath.Scene(CORNELL, device=device, size=(8, 8), spp=1, sun=(60, 40))
+    floor = SCENES / "analytic" / "point_light.gltf"
+    added = wavepath.Scene(floor, device=device, size=(8, 8), spp=4, sun=(60, 40), env="black")
     assert added.lights["sun"].node is None
-    dark = image_of(added)
+    added.lights["point"].intensity = 0
+    before = image_of(added)[..., :3]
     added.lights["sun"].intensity *= 4
-    assert image_of(added).mean() > dark.mean()
+    assert before.mean() > 0 and np.allclose(image_of(added)[..., :3], 4 * before, rtol=1e-4)
 
 
 def test_environments(device):
