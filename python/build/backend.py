@@ -1,8 +1,9 @@
 """The build backend of pyproject.toml (PEP 517, PEP 660): configures and builds with CMake, and packs a wheel.
 
 It uses the standard library alone. CMake, Ninja, a compiler, pybind11 and the libraries of wavepath must be installed;
-`./run python` installs them on Debian. WAVEPATH_PIP_BUILD names another build folder than build/pip; where the module
-is built in it, nothing is built again, so that others may use it meanwhile."""
+`./run python` installs them on Debian. It builds in the folder of `./run python` where that is for the same Python,
+else in build/pip. WAVEPATH_PIP_BUILD names another folder; where the module is built in it, nothing is built again, so
+that others may use it meanwhile."""
 
 import base64
 import hashlib
@@ -48,15 +49,27 @@ def _run(*words):
         raise SystemExit(f"wavepath: {words[0]} is not installed; './run setup' installs what a build needs") from None
 
 
+def _is_of_run(folder, python):
+    """True for the folder that `./run python` builds in, if for this Python."""
+    cache = folder / "CMakeCache.txt"
+    lines = cache.read_text().splitlines() if cache.exists() else []
+    values = {name: value for name, _, value in (re.split(r":\w+(=)", line, maxsplit=1) for line in lines
+                                                  if re.match(r"\w+:\w+=", line))}
+    return (values.get("WAVEPATH_PYTHON") == "ON" and values.get("CMAKE_HOME_DIRECTORY") == str(ROOT)
+            and os.path.realpath(values.get("Python3_EXECUTABLE", "")) == os.path.realpath(python))
+
+
 def _build(settings):
     """The build folder, built."""
     chosen = os.environ.get("WAVEPATH_PIP_BUILD")
-    folder = pathlib.Path(chosen or ROOT / "build" / "pip")
+    python = getattr(sys, "_base_executable", sys.executable)  # a virtual environment has no headers
+    folder = pathlib.Path(chosen or ROOT / "build")
     options = [f"-D{name}={value}" for name, value in (settings or {}).items() if name.startswith("WAVEPATH_")]
+    if not chosen and (options or not _is_of_run(folder, python)):
+        folder = folder / "pip"
     if chosen and any(folder.glob("python/wavepath/_core*.so")):
         return folder
-    if not chosen or not (folder / "build.ninja").exists():
-        python = getattr(sys, "_base_executable", sys.executable)  # a virtual environment has no headers
+    if folder.name == "pip" or not (folder / "build.ninja").exists():
         _run("cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "-DWAVEPATH_PYTHON=ON", "-DWAVEPATH_TESTS=OFF",
              "-DWAVEPATH_VIEWER=OFF", f"-DPython3_EXECUTABLE={python}", *options)
     _run("cmake", "--build", folder, "--target", "wavepath_python", "wavepath_pictures")
