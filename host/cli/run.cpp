@@ -85,6 +85,7 @@ int run(int argument_count, const char* const* arguments, AddCommand view) {
   commands["bench"] = add_bench(app);
   commands["merge"] = add_merge(app);
   commands["relight"] = add_relight(app);
+  commands["parts"] = add_parts(app);
   commands["selftest"] = add_selftest(app);
   commands["study"] = add_study(app, line);
 
