@@ -26,12 +26,14 @@ submit() {
 # queued again.
 run_line() {
   local job="$1" number="${2:-${SLURM_ARRAY_TASK_ID:?is set by Slurm}}" code=0 child
+  local is_told=no
   eval "exec $(sed -n "${number}p" "$job")" &
   child=$!
-  trap 'kill -TERM "$child" 2>/dev/null || true' INT TERM # INT would be ignored: it is a background process
+  # TERM, since a background process ignores INT.
+  trap 'is_told=yes; kill -TERM "$child" 2>/dev/null || true' INT TERM
   wait "$child" || code=$?
-  while kill -0 "$child" 2>/dev/null; do # a signal had ended the wait
-    code=0
+  while [[ $is_told == yes ]]; do # the signal had ended the wait
+    is_told=no code=0
     wait "$child" || code=$?
   done
   if ((code == 130)) && [[ ${SLURM_JOB_ID:-} ]]; then

@@ -523,34 +523,66 @@ TEST_F(Resume, MergeRefusesWhatDoesNotBelongTogether) {
   EXPECT_EQ(wavepath({"merge", "a.exr", "b.exr"}).exit_code, 2);
 }
 
-// The steps of the array job in benchmarks/, one after the other on this machine; one task is killed and started again.
-TEST_F(Resume, ArrayJobMakesTheWholePicture) {
-  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
-  const std::string script = std::string(WAVEPATH_SOURCE_DIR) + "/benchmarks/slurm_array.sh";
-  const auto run_task = [&](int task, double kill_after) {
+// The lines of `parts`, as tasks of an array job on this machine; one is killed and started again.
+TEST_F(Resume, PartsMakeTheWholePicture) {
+  ASSERT_EQ(render("whole.exr", {"--mergeable", "--sampler", "sobol"}).exit_code, 0);
+  const auto parts = [&](std::vector<std::string> flags) {
+    std::vector<std::string> all{"parts", kCornell, "--size", "64x48", "--spp=48", "--sampler", "sobol", "-q"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    return wavepath(all);
+  };
+  const std::string picture = path("a farm's/picture.exr");
+  std::filesystem::create_directory(path("a farm's"));
+  const Outcome printed =
+      parts({"--count", "5", "-o", picture, "-o", path("small.png"), "--exposure", "2", "--stats", "s.json"});
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_EQ(std::ranges::count(printed.out, '\n'), 6);
+  std::ofstream(path("job.txt")) << printed.out;
+  const std::string script = std::string(WAVEPATH_SOURCE_DIR) + "/farm/slurm.sh";
+  const auto run_line = [&](int line, double kill_after) {
     RunOptions options;
     options.folder = folder_.path().string();
-    options.in_child = [task] {
-      setenv("WAVEPATH", WAVEPATH_BINARY, 1);
-      setenv("SLURM_ARRAY_TASK_ID", std::to_string(task + 3).c_str(), 1);
-      setenv("SLURM_ARRAY_TASK_MIN", "3", 1);
-      setenv("SLURM_ARRAY_TASK_COUNT", "5", 1);
+    options.in_child = [line] {
+      const std::string folder = std::filesystem::path(WAVEPATH_BINARY).parent_path().string();
+      setenv("PATH", (folder + ":" + std::getenv("PATH")).c_str(), 1);
+      setenv("SLURM_ARRAY_TASK_ID", std::to_string(line).c_str(), 1);
     };
-    return run_program({"/usr/bin/timeout", "-s", "KILL", fmt::format("{}", kill_after), script, kCornell, "farm", "48",
-                        "--size", "64x48", "-q"},
+    return run_program({"/usr/bin/timeout", "-s", "KILL", fmt::format("{}", kill_after), script, "--line", "job.txt"},
                        options);
   };
-  run_task(2, 0.5);
-  for (int task = 0; task < 5; ++task) {
-    const Outcome outcome = run_task(task, 600.0);
+  run_line(2, 0.5);
+  for (int line = 1; line <= 6; ++line) {
+    const Outcome outcome = run_line(line, 600.0);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
-  RunOptions options;
-  options.folder = folder_.path().string();
-  options.in_child = [] { setenv("WAVEPATH", WAVEPATH_BINARY, 1); };
-  const Outcome merged = run_program({script, "--merge", "farm"}, options);
-  ASSERT_EQ(merged.exit_code, 0) << merged.err;
-  expect_same_bits("farm/picture.exr", "whole.exr");
+  const Picture whole = read_picture(path("whole.exr")), joined = read_picture(picture);
+  for (const char* name : {"R", "G", "B"})
+    EXPECT_EQ(find_channel(joined, name)->values, find_channel(whole, name)->values) << name;
+  EXPECT_TRUE(std::filesystem::exists(path("small.png")));
+  EXPECT_TRUE(std::filesystem::exists(path("a farm's/picture-part-00004.json")));
+
+  const nlohmann::json document = nlohmann::json::parse(parts({"--count", "3", "--json", "--samples", "4:10"}).out);
+  ASSERT_EQ(document["parts"].size(), 3u);
+  EXPECT_NE(document["parts"][1].get<std::string>().find(" --samples 6:8 "), std::string::npos);
+  EXPECT_NE(document["merge"].get<std::string>().find("cornell_box-part-00002.exr -o cornell_box.exr"),
+            std::string::npos);
+}
+
+TEST_F(Resume, PartsRefuseWhatNoPartHas) {
+  const auto refused = [&](std::vector<std::string> flags, const std::string& words) {
+    flags.insert(flags.begin(), {"parts", kCornell, "--count", "4"});
+    const Outcome outcome = wavepath(flags);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  };
+  refused({}, "--spp: is missing");
+  refused({"--spp", "3"}, "4 parts of 3 samples");
+  refused({"--spp", "8", "--samples", "6:9"}, "ends beyond --spp 8");
+  refused({"--spp", "8", "--checkpoint", "a.state"}, "--checkpoint: is no flag of a part");
+  refused({"--spp", "8", "--frames", "0:4", "--animation", "walk"}, "--frames: is no flag of a part");
+  refused({"--spp", "8", "--adaptive"}, "--adaptive");
+  refused({"--spp", "8", "--sampler", "sobl"}, "sobol");
 }
 
 TEST_F(Resume, UsageIsChecked) {
