@@ -248,7 +248,10 @@ TEST_F(PassesTest, PartsJoinToTheWhole) {
   first.sample_total = second.sample_total = 24;
   const Picture expected = passes(tiles(), whole), a = passes(tiles(), first), b = passes(tiles(), second);
   Picture joined{kWidth, kHeight, {}};
-  join_passes(joined, {a, b}, {8, 16});
+  JoinedPasses parts;
+  join_passes(parts, a, 8);
+  join_passes(parts, b, 16);
+  add_passes(parts, joined);
   ASSERT_EQ(joined.channels.size(), expected.channels.size());
   for (const Channel& one : expected.channels) EXPECT_EQ(channel(joined, one.name), one.values) << one.name;
   EXPECT_NE(channel(a, "CryptoObject00.G"), channel(b, "CryptoObject00.G"));

@@ -251,16 +251,15 @@ void read_common(const std::string& part, PictureInfo& info) {
 void add_passes_of(const std::vector<Region>& regions, const Picture& first, Picture& picture) {
   if (!has_passes(first)) return;
   for (const Region& region : regions) {
-    std::vector<Picture> pictures;
-    std::vector<std::uint32_t> samples;
+    JoinedPasses joined;
     for (const std::string& part : region.parts) {
-      pictures.push_back(read_picture(part));
-      samples.push_back(0);
-      for (const Range& range : read_ranges(part)) samples.back() += range.end - range.first;
+      std::uint32_t samples = 0;
+      for (const Range& range : read_ranges(part)) samples += range.end - range.first;
+      join_passes(joined, read_picture(part), samples);
     }
     Picture passes{region.window.width, region.window.height, {}};
     passes.place = region.window.place;
-    join_passes(passes, pictures, samples);
+    add_passes(joined, passes);
     paste(passes, picture);
   }
   const std::string& part = regions.front().parts.front();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -106,23 +105,24 @@ std::vector<std::string> cryptomatte_texts(const std::string& layer) {
   return {key + "name", key + "hash", key + "conversion", key + "manifest"};
 }
 
-void join_cryptomatte(Picture& picture, const std::string& layer, const std::vector<Picture>& parts,
-                      const std::vector<std::uint32_t>& samples) {
-  const double all = std::accumulate(samples.begin(), samples.end(), 0.0);
-  std::vector<std::vector<const std::vector<float>*>> values(parts.size()); // by part: ids and coverages by level
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    for (std::size_t level = 0; level < kCryptomatteLevels; ++level)
-      for (const bool is_coverage : {false, true})
-        values[p].push_back(&find_channel(parts[p], channel_name(layer, level, is_coverage))->values);
+void join_cryptomatte(JoinedCryptomatte& joined, const std::string& layer, const Picture& part, std::uint32_t samples) {
+  joined.sums.resize(std::size_t{part.width} * part.height);
+  joined.samples += samples;
+  for (std::size_t level = 0; level < kCryptomatteLevels; ++level) {
+    const std::vector<float>& ids = find_channel(part, channel_name(layer, level, false))->values;
+    const std::vector<float>& coverages = find_channel(part, channel_name(layer, level, true))->values;
+    for (std::size_t pixel = 0; pixel < joined.sums.size(); ++pixel)
+      if (const float coverage = coverages[pixel]; coverage > 0.0f)
+        // A whole number of samples, which the float next to its fraction tells.
+        joined.sums[pixel][ids[pixel]] += std::round(double{coverage} * samples);
+  }
+}
+
+void add_cryptomatte(Picture& picture, const std::string& layer, const JoinedCryptomatte& joined) {
   add_layers(picture, layer, [&](std::size_t pixel) {
-    std::map<float, double> sums;
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      for (std::size_t level = 0; level < kCryptomatteLevels; ++level)
-        if (const float coverage = (*values[p][2 * level + 1])[pixel]; coverage > 0.0f)
-          // A whole number of samples, which the float next to its fraction tells.
-          sums[(*values[p][2 * level])[pixel]] += std::round(double{coverage} * samples[p]);
     std::vector<Ranked> ranked;
-    for (const auto& [id, sum] : sums) ranked.emplace_back(id, sum / all);
+    for (const auto& [id, sum] : joined.sums[pixel])
+      ranked.emplace_back(id, sum / static_cast<double>(joined.samples));
     return ranked;
   });
 }

@@ -40,9 +40,14 @@ bool has_cryptomatte(const Picture& picture, const std::string& layer);
 // Names of the header attributes of a layer.
 std::vector<std::string> cryptomatte_texts(const std::string& layer);
 
-// Joins `layer` of pictures of the same size with `samples` each, into one of all samples: coverages add up by samples.
-// What a part has left out, being less than its last level, is missing from the sum as well.
-void join_cryptomatte(Picture& picture, const std::string& layer, const std::vector<Picture>& parts,
-                      const std::vector<std::uint32_t>& samples);
+// A layer of pictures of the same size, joined one after the other: coverages add up by samples. What a part has left
+// out, being less than its last level, is missing from the sum as well.
+struct JoinedCryptomatte {
+  std::vector<std::map<float, double>> sums; // by pixel: samples by id
+  std::uint64_t samples = 0;                 // of every pixel
+};
+// `part`: has the layer, from so many `samples`.
+void join_cryptomatte(JoinedCryptomatte& joined, const std::string& layer, const Picture& part, std::uint32_t samples);
+void add_cryptomatte(Picture& picture, const std::string& layer, const JoinedCryptomatte& joined);
 
 } // namespace wavepath

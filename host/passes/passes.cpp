@@ -193,16 +193,6 @@ bool add_nearest(const PassTracer& tracer, Picture& picture) {
   return whole;
 }
 
-void join_nearest(Picture& picture, const std::vector<Picture>& parts) {
-  const auto has_it = [](const Picture& part) { return find_channel(part, kNearest) != nullptr; };
-  if (!std::ranges::all_of(parts, has_it) || has_it(picture)) return;
-  Channel joined = *find_channel(parts.front(), kNearest);
-  for (const Picture& part : parts)
-    for (std::size_t i = 0; i < joined.values.size(); ++i)
-      joined.values[i] = std::min(joined.values[i], find_channel(part, kNearest)->values[i]);
-  picture.channels.push_back(std::move(joined));
-}
-
 } // namespace
 
 bool add_passes(Device& device, const PackedScene& scene, const View& view, const RenderPlan& settings,
@@ -232,14 +222,40 @@ bool has_passes(const Picture& picture) {
          is_known(kNearest);
 }
 
-void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples) {
-  for (const std::string& channel : channels_of_centres())
-    if (const Channel* known = find_channel(parts.front(), channel); known && !find_channel(picture, channel))
-      picture.channels.push_back(*known);
+void join_passes(JoinedPasses& joined, const Picture& part, std::uint32_t samples) {
+  const bool is_first = !joined.has_parts;
+  joined.has_parts = true;
+  if (is_first)
+    for (const std::string& channel : channels_of_centres())
+      if (const Channel* known = find_channel(part, channel)) joined.centres.push_back(*known);
+  for (const char* layer : {kObjects, kMaterials}) {
+    if (!has_cryptomatte(part, layer)) {
+      joined.layers.erase(layer);
+      continue;
+    }
+    if (is_first) joined.layers[layer];
+    if (const auto known = joined.layers.find(layer); known != joined.layers.end())
+      join_cryptomatte(known->second, layer, part, samples);
+  }
+  const Channel* nearest = find_channel(part, kNearest);
+  if (!nearest)
+    joined.nearest.reset();
+  else if (is_first)
+    joined.nearest = *nearest;
+  else if (joined.nearest)
+    for (std::size_t i = 0; i < nearest->values.size(); ++i)
+      joined.nearest->values[i] = std::min(joined.nearest->values[i], nearest->values[i]);
+}
+
+void add_passes(const JoinedPasses& joined, Picture& picture) {
+  const auto add = [&](const Channel& channel) {
+    if (!find_channel(picture, channel.name)) picture.channels.push_back(channel);
+  };
+  std::ranges::for_each(joined.centres, add);
   for (const char* layer : {kObjects, kMaterials})
-    if (std::ranges::all_of(parts, [&](const Picture& part) { return has_cryptomatte(part, layer); }))
-      join_cryptomatte(picture, layer, parts, samples);
-  join_nearest(picture, parts);
+    if (const auto known = joined.layers.find(layer); known != joined.layers.end())
+      add_cryptomatte(picture, layer, known->second);
+  if (joined.nearest) add(*joined.nearest);
 }
 
 std::vector<std::string> pass_texts() {

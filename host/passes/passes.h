@@ -16,8 +16,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "host/passes/cryptomatte.h"
 #include "host/passes/motion.h"
 #include "host/picture/picture.h"
 #include "host/render/render.h"
@@ -35,9 +39,18 @@ bool add_passes(Device& device, const PackedScene& scene, const View& view, cons
 // True if a picture holds any pass.
 bool has_passes(const Picture& picture);
 
-// Appends the passes that pictures of the same scene and view have, rendered with so many `samples` each: those through
-// centres are equal in all of them, coverages are joined.
-void join_passes(Picture& picture, const std::vector<Picture>& parts, const std::vector<std::uint32_t>& samples);
+// Passes of pictures of the same scene and view, joined one after the other: those through centres are equal in all of
+// them, coverages and nearest hits are joined. A pass that a part lacks is left out.
+struct JoinedPasses {
+  std::vector<Channel> centres; // of the first part
+  std::map<std::string, JoinedCryptomatte> layers;
+  std::optional<Channel> nearest;
+  bool has_parts = false;
+};
+// `part`: rendered with so many `samples`.
+void join_passes(JoinedPasses& joined, const Picture& part, std::uint32_t samples);
+// Appends those that `picture` lacks.
+void add_passes(const JoinedPasses& joined, Picture& picture);
 
 // Names of the header attributes that explain passes.
 std::vector<std::string> pass_texts();
