@@ -577,7 +577,7 @@ TEST_F(Resume, PartsRefuseWhatNoPartHas) {
     EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
   };
   refused({}, "--spp: is missing");
-  refused({"--spp", "3"}, "4 parts of 3 samples");
+  refused({"--spp", "3"}, "asks for 4 parts of 3 samples");
   refused({"--spp", "8", "--samples", "6:9"}, "ends beyond --spp 8");
   refused({"--spp", "8", "--checkpoint", "a.state"}, "--checkpoint: is no flag of a part");
   refused({"--spp", "8", "--frames", "0:4", "--animation", "walk"}, "--frames: is no flag of a part");
