@@ -98,9 +98,9 @@ Lines lines_of(const CLI::App& command, const PartsRequest& request) {
     };
     const std::string part = fmt::format("{}-part-{:05}", stem, i);
     const auto file = [&](const char* ending) { return shell_quoted(part + ending); };
-    std::string line = fmt::format("wavepath render {}{} --samples {}:{} -o {} --checkpoint {} --resume",
-                                   shell_quoted(whole.scene.path), settings_words, from(i), from(i + 1), file(".exr"),
-                                   file(".state"));
+    std::string line =
+        fmt::format("wavepath render {}{} --samples {}:{} -o {} --checkpoint {} --resume",
+                    shell_quoted(whole.scene.path), settings_words, from(i), from(i + 1), file(".exr"), file(".state"));
     if (!whole.output.stats.empty()) line += fmt::format(" --stats {}", file(".json"));
     lines.parts.push_back(std::move(line));
     lines.merge += " " + file(".exr");

@@ -121,8 +121,7 @@ void join_cryptomatte(JoinedCryptomatte& joined, const std::string& layer, const
 void add_cryptomatte(Picture& picture, const std::string& layer, const JoinedCryptomatte& joined) {
   add_layers(picture, layer, [&](std::size_t pixel) {
     std::vector<Ranked> ranked;
-    for (const auto& [id, sum] : joined.sums[pixel])
-      ranked.emplace_back(id, sum / static_cast<double>(joined.samples));
+    for (const auto& [id, sum] : joined.sums[pixel]) ranked.emplace_back(id, sum / static_cast<double>(joined.samples));
     return ranked;
   });
 }
