@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""The documentation site, as pages that open from a disk:
+
+    ./run site [FOLDER]
+    docs/site/build.py --program build/host/wavepath [--out build/site] [--strict]
+
+Copies the documents into a folder of their own, adds the pages that are made of something else (commands of --help,
+C++ of the headers, gallery of its table), and runs Sphinx on it. --strict makes warnings errors."""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+
+import command_pages
+import cpp_pages
+import pages
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=ROOT / "build" / "host" / "wavepath", type=pathlib.Path)
+    parser.add_argument("--out", default=ROOT / "build" / "site", type=pathlib.Path)
+    parser.add_argument("--work", type=pathlib.Path, help="folder of copied pages and of Sphinx's notes")
+    parser.add_argument("--strict", action="store_true")
+    args = parser.parse_args()
+    out = args.out.resolve()
+    work = (args.work or ROOT / "build" / ".site").resolve()
+
+    stage = pages.Stage(ROOT, work / "pages")
+    pages.write(stage)
+    command_pages.write(stage, args.program.resolve())
+    cpp_pages.write(stage)
+    stage.finish()
+
+    strict = ["-W", "--keep-going"] if args.strict else []
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-n", "-q", *strict, "-c", HERE, "-d", work / "doctrees",
+               stage.folder, out]
+    done = subprocess.run(command, check=False)
+    if done.returncode == 0:
+        print(out / "index.html")
+    return done.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())

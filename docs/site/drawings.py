@@ -1,0 +1,103 @@
+"""Drawings in Mermaid's language as SVG inside of a page, laid out by Graphviz, so that they need no network.
+
+Of Mermaid it knows what the documents use: flowcharts, labels of nodes and arrows, chains, groups."""
+
+import html
+import re
+import subprocess
+
+NODE = r"(\w+)(?:\[\"(.*?)\"\])?"
+ARROW = r"\s*(-->|-\.->)(?:\|(.*?)\|)?\s*"
+
+
+class Drawing:
+    def __init__(self, source):
+        first, *lines = [line.strip() for line in source.strip().split("\n")]
+        kind = re.fullmatch(r"flowchart (LR|TD)", first)
+        if not kind:
+            raise ValueError(f"'{first}' is no drawing that docs/site/drawings.py knows")
+        self.direction = {"LR": "LR", "TD": "TB"}[kind[1]]
+        self.labels, self.groups, self.edges = {}, {}, []
+        group = None
+        for line in lines:
+            if match := re.fullmatch(r'subgraph (\w+)\["(.*)"\]', line):
+                group = match[1]
+                self.groups[group] = (match[2], [])
+            elif line == "end":
+                group = None
+            elif line and not line.startswith("direction "):
+                self.add_chain(line, group)
+
+    def add_chain(self, line, group):
+        words = re.split(ARROW, line)
+        nodes = [self.add_node(word, group) for word in words[::3]]
+        for i, (start, end) in enumerate(zip(nodes, nodes[1:])):
+            self.edges.append((start, end, words[3 * i + 2] or "", words[3 * i + 1] == "-.->"))
+
+    def add_node(self, text, group):
+        match = re.fullmatch(NODE, text.strip())
+        if not match:
+            raise ValueError(f"'{text}' is no node that docs/site/drawings.py knows")
+        name, label = match.groups()
+        if name not in self.labels and name not in self.groups:
+            self.labels[name] = name
+            if group:
+                self.groups[group][1].append(name)
+        if label:
+            self.labels[name] = label
+        return name
+
+    def name_of(self, node):
+        text = self.groups[node][0] if node in self.groups else self.labels[node]
+        return text.replace("<br/>", " ")
+
+    def dot(self):
+        def quoted(text):
+            return '"' + text.replace('"', r'\"').replace("<br/>", r"\n") + '"'
+
+        lines = ["digraph {", f"rankdir={self.direction}; compound=true; bgcolor=transparent; nodesep=0.22; ranksep=0.45;",
+                 'node [shape=box, style="rounded,filled", fillcolor="#00ff00", color="#ff0000", fontcolor="#ff0000", '
+                 'fontname="Helvetica", fontsize=13, margin="0.13,0.07", height=0.3];',
+                 'edge [color="#ff0000", fontcolor="#ff0000", fontname="Helvetica", fontsize=12, arrowsize=0.7];']
+        for group, (label, members) in self.groups.items():
+            names = " ".join(members)
+            lines.append(f'subgraph cluster_{group} {{ label={quoted(label)}; style="rounded,dashed"; color="#ff0000"; '
+                         f'fontcolor="#ff0000"; fontname="Helvetica"; fontsize=13; {names}; }}')
+        lines += [f"{name} [label={quoted(label)}];" for name, label in self.labels.items()]
+        for start, end, label, dashed in self.edges:
+            about = [f"label={quoted(label)}"] if label else []
+            if dashed:
+                about.append("style=dashed")
+            if start in self.groups:  # an edge of a group starts at one of its nodes, and is cut at its border
+                about.append(f"ltail=cluster_{start}")
+                start = self.groups[start][1][-1]
+            if end in self.groups:
+                about.append(f"lhead=cluster_{end}")
+                end = self.groups[end][1][0]
+            lines.append(f"{start} -> {end} [{', '.join(about)}];")
+        return "\n".join([*lines, "}"])
+
+    def words(self):
+        """The same for those who cannot see it."""
+        return [f"{self.name_of(start)} → {self.name_of(end)}{f' ({label})' if label else ''}"
+                for start, end, label, _ in self.edges]
+
+
+def svg(drawing):
+    done = subprocess.run(["dot", "-Tsvg"], input=drawing.dot(), capture_output=True, text=True, check=True)
+    text = done.stdout[done.stdout.index("<svg"):]
+    text = re.sub(r"<!--.*?-->\n?|<title>.*?</title>\n?", "", text, flags=re.S)
+    # Colours are those of the page, which may be dark.
+    text = text.replace("#ff0000", "currentColor").replace("#00ff00", "var(--color-background-secondary)")
+    text = re.sub(r' (id|class|xmlns:xlink)="[^"]*"', "", text).replace("fill=\"currentColor\" stroke=\"currentColor\"",
+                                                                       'fill="currentColor" stroke="currentColor"')
+    return text.replace("<svg ", '<svg role="img" aria-hidden="true" ', 1)
+
+
+def html_fence(source):
+    """The drawing as a block of MyST, its arrows also as a list."""
+    drawing = Drawing(source)
+    arrows = "".join(f"<li>{html.escape(line)}</li>" for line in drawing.words())
+    lines = ["```{raw} html", f'<div class="drawing" tabindex="0">{svg(drawing)}</div>',
+             f"<details class=\"drawing-words\"><summary>This drawing in words</summary><ul>{arrows}</ul></details>", "```"]
+    return "\n".join(line for line in "\n".join(lines).split("\n") if line.strip())
