@@ -365,7 +365,7 @@ class Structure(unittest.TestCase):
                     continue
                 with self.subTest(document=document, line=line):
                     checked += 1
-                    if words[0] in ("python", "test", "setup", "format"):
+                    if words[0] in ("python", "test", "setup", "format", "site"):
                         continue
                     self.assertRegex(known, rf"(?m)^\s+{words[0]}\b")
                     options = helps(words[0], "--help-all")

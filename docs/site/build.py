@@ -9,6 +9,7 @@ C++ of the headers, gallery of its table), and runs Sphinx on it. --strict makes
 
 import argparse
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -30,15 +31,15 @@ def main():
     out = args.out.resolve()
     work = (args.work or ROOT / "build" / ".site").resolve()
 
+    shutil.rmtree(work / "pages", ignore_errors=True)
     stage = pages.Stage(ROOT, work / "pages")
     pages.write(stage)
     command_pages.write(stage, args.program.resolve())
     cpp_pages.write(stage)
-    stage.finish()
 
     strict = ["-W", "--keep-going"] if args.strict else []
-    command = [sys.executable, "-m", "sphinx", "-b", "html", "-n", "-q", *strict, "-c", HERE, "-d", work / "doctrees",
-               stage.folder, out]
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-n", "-q", "-E", *strict, "-c", HERE,
+               "-d", work / "doctrees", stage.folder, out]
     done = subprocess.run(command, check=False)
     if done.returncode == 0:
         print(out / "index.html")

@@ -100,7 +100,8 @@ def linked(text, flags, commands, choices=()):
             return f":option:`{word}`" if word in flags else f"``{word}``"
         return f"``{word}``"
 
-    pattern = r"docs/[\w-]+\.md|'wavepath [^']+'|(?<![\w-])--?[a-z][a-z-]*|(?<![\w.])\.(?:exr|hdr|png|jpg|gltf|glb|json)\b"
+    pattern = r"docs/[\w-]+\.md|'wavepath [^']+'|(?<![\w-])--?[a-z][a-z-]*"
+    pattern += r"|(?<![\w.])\.(?:exr|hdr|png|jpg|gltf|glb|json)\b"
     if choices:
         pattern += rf"|(?<![\w-])(?:{'|'.join(map(re.escape, choices))})(?=:)"
     parts, last = [], 0
@@ -130,6 +131,10 @@ def examples_of(stage, command):
     return chosen
 
 
+def capital(text):
+    return text[:1].upper() + text[1:]
+
+
 def heading(text, mark):
     return [text, mark * len(text), ""]
 
@@ -138,7 +143,7 @@ def page_of(stage, program, command, commands):
     parsed = read(program, command)
     flags = {name for flag in parsed.flags() for name in flag.names()}
     title = f"wavepath {command}"
-    lines = [".. role:: expert", "", *heading(title, "="), f"{escaped(parsed.about[0].upper() + parsed.about[1:])}.", "",
+    lines = [".. role:: expert", "", *heading(title, "="), f"{escaped(capital(parsed.about))}.", "",
              ".. code-block:: text", "", f"   {parsed.usage}", ""]
     own, ends = [], []
     for paragraph in parsed.end:
@@ -152,7 +157,8 @@ def page_of(stage, program, command, commands):
     lines += ends + own + [f".. program:: {title}", ""]
     examples = examples_of(stage, command)
     if examples:
-        lines += [*heading("Examples", "-"), ".. code-block:: text", "", *(f"   {line}" for _, line in examples[:8]), ""]
+        lines += [*heading("Examples", "-"), ".. code-block:: text", ""]
+        lines += [*(f"   {line}" for _, line in examples[:8]), ""]
         sources = {page: pages.short(pages.headings(stage.text(page))[0]) for page, _ in examples[:8]}
         links = (f":doc:`{title} </{pages.document_name(page)}>`" for page, title in sources.items())
         lines += [f"They are explained in {', '.join(links)}.", ""]
@@ -162,7 +168,7 @@ def page_of(stage, program, command, commands):
             lines += [f".. option:: {flag.head}", ""]
             others = flags - set(flag.names())
             text = linked(flag.text, others, commands, flag.choices())
-            lines += [f"   {text[:1].upper()}{text[1:]}" + ("" if text.endswith(".") else "."), ""]
+            lines += [f"   {capital(text)}{'' if text.endswith('.') else '.'}", ""]
             initial = linked(flag.default, others, commands)
             if re.fullmatch(r"[\w.,/-]+", flag.default):
                 initial = f"``{flag.default}``"
@@ -176,7 +182,7 @@ def page_of(stage, program, command, commands):
 def index_of(program, commands):
     whole = parse(ask(program, "--help"))
     lines = [*heading("Commands and flags", "="),
-             f"{escaped(whole.about[0].upper() + whole.about[1:])}. ``./run COMMAND`` in the folder of wavepath is "
+             f"{escaped(capital(whole.about))}. ``./run COMMAND`` in the folder of wavepath is "
              "``wavepath COMMAND`` after a build.", "",
              ".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", "   * - command", "     - what it does"]
     for name, about in commands:

@@ -1,7 +1,5 @@
 """Sphinx's settings for the site: from Sphinx 5.3 with MyST 0.18 (Debian 12) to 8.1 with 4.0 (Debian 13)."""
 
-import importlib.machinery
-import importlib.util
 import pathlib
 import re
 import sys
@@ -24,7 +22,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "theme"]
 html_theme = "furo"
 html_title = f"wavepath {version}"
 html_static_path = ["static"]
-html_css_files = ["site.css"]
+html_css_files, html_js_files = ["site.css"], ["site.js"]
 html_show_copyright = html_show_sphinx = html_copy_source = False
 html_theme_options = {
     "navigation_with_keys": True,
@@ -38,13 +36,16 @@ toc_object_entries_show_parents = "hide"
 
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
+# A line that begins with "% of" is text.
+myst_disable_syntax = ["myst_line_comment", "myst_block_break", "myst_target"]
 
 suppress_warnings = ["myst.header"]  # tables that a script writes go from # to ###
 
 # Types that have no page here.
 nitpick_ignore_regex = [
     (r"cpp:identifier", r"std(::.*)?|wavepath|_?[a-z_]+_t"),
-    (r"py:.*", r"(np|numpy|collections|os|pathlib|typing)\..*|NDArray|ArrayLike|ProgressArgument|CameraArgument|Picture|T|_T|.*\._T"),
+    (r"py:.*", r"(np|numpy|collections|os|pathlib|typing)\..*|NDArray|(ArrayLike|CameraArgument|Picture|ProgressArgument)"),
+    (r"py:.*", r"(.*\.)?_?T"),
 ]
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}
@@ -55,11 +56,10 @@ python_use_unqualified_type_names = True
 
 def load_module():
     """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. So does a
-    mock for NumPy, where it is not installed."""
+    mock for NumPy."""
     from sphinx.ext.autodoc.mock import _MockModule
-    if importlib.util.find_spec("numpy") is None:
-        for name in ("numpy", "numpy.typing"):
-            sys.modules[name] = _MockModule(name)
+    for name in ("numpy", "numpy.typing"):
+        sys.modules[name] = _MockModule(name)
     file = str(ROOT / "python" / "wavepath" / "_core.pyi")
     core = types.ModuleType("wavepath._core")
     core.__file__ = file
@@ -67,9 +67,20 @@ def load_module():
     exec(compile(pathlib.Path(file).read_text(), file, "exec"), core.__dict__)
     sys.modules["wavepath._core"] = core
     import wavepath
-    for name in wavepath.__all__:  # they are documented as wavepath.NAME, and linked by that name
-        if hasattr(getattr(wavepath, name), "__module__"):
-            getattr(wavepath, name).__module__ = "wavepath"
+    return set(wavepath.__all__)
 
 
-load_module()
+PUBLIC = load_module()
+
+
+def resolve_public(app, env, node, content):
+    """`wavepath.scene.Scene` of an annotation is documented as `wavepath.Scene`."""
+    module, _, name = node.get("reftarget", "").rpartition(".")
+    if node.get("refdomain") == "py" and module.startswith("wavepath.") and name in PUBLIC:
+        domain = env.get_domain("py")
+        return domain.resolve_xref(env, node["refdoc"], app.builder, node["reftype"], f"wavepath.{name}", node, content)
+    return None
+
+
+def setup(app):
+    app.connect("missing-reference", resolve_public)

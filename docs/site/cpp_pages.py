@@ -104,6 +104,11 @@ def documentation(about):
     return "".join(f"`{part}`" if part.startswith("`") else re.sub(r"([\\*|_])", r"\\\1", part) for part in parts)
 
 
+def sentence(text):
+    """Comments behind members are no whole sentences."""
+    return text[0].upper() + text[1:] + ("" if text[-1] in ".:" else ".")
+
+
 def declarators(code):
     """`int a = 0, b = 0` as two declarations, whose type is the same."""
     pieces, depth, start = [], 0, 0
@@ -141,7 +146,7 @@ def lines_of(declarations, inner, level=0):
                   *(f"{indent}{' ' * (len(directive) + 12)}{code}" for code in codes[1:]), ""]
         for paragraph in "\n\n".join(body).split("\n\n"):
             if paragraph:
-                lines += [f"{indent}   {documentation(paragraph)}", ""]
+                lines += [f"{indent}   {sentence(documentation(paragraph))}", ""]
         for value in enumerators:
             lines += [f"{indent}   .. cpp:enumerator:: {value}", ""]
         lines += lines_of(declaration.members, inner, level + 1)
@@ -157,8 +162,8 @@ def read(text):
 
 def write(stage):
     lines = ["C++ API", "=======", "",
-             "``#include <wavepath/wavepath.h>`` includes all headers. :doc:`/docs/library` tells how programs are built, "
-             "and what they can rely on. Functions throw :cpp:class:`wavepath::Error`.", "",
+             "``#include <wavepath/wavepath.h>`` includes all headers. :doc:`/docs/library` tells how programs are "
+             "built, and what they can rely on. Functions throw :cpp:class:`wavepath::Error`.", "",
              ".. cpp:namespace:: wavepath", "", ".. default-role:: code", ""]
     for header in HEADERS:
         job, declarations = read(stage.text(f"{FOLDER}/{header}.h"))

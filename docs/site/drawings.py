@@ -6,6 +6,8 @@ import html
 import re
 import subprocess
 
+COLUMN = 736  # pixels of the text's width
+WIDEST = 1.15 * COLUMN  # of a drawing that is made to fit
 NODE = r"(\w+)(?:\[\"(.*?)\"\])?"
 ARROW = r"\s*(-->|-\.->)(?:\|(.*?)\|)?\s*"
 
@@ -53,16 +55,18 @@ class Drawing:
 
     def dot(self):
         def quoted(text):
+            text = re.sub(r"^(.{9,}:) (?=.{9})", r"\1<br/>", text)
             return '"' + text.replace('"', r'\"').replace("<br/>", r"\n") + '"'
 
-        lines = ["digraph {", f"rankdir={self.direction}; compound=true; bgcolor=transparent; nodesep=0.22; ranksep=0.45;",
+        lines = ["digraph {", f"rankdir={self.direction}; compound=true; bgcolor=transparent;",
+                 "nodesep=0.15; ranksep=0.32;",
                  'node [shape=box, style="rounded,filled", fillcolor="#00ff00", color="#ff0000", fontcolor="#ff0000", '
-                 'fontname="Helvetica", fontsize=13, margin="0.13,0.07", height=0.3];',
-                 'edge [color="#ff0000", fontcolor="#ff0000", fontname="Helvetica", fontsize=12, arrowsize=0.7];']
+                 'fontname="Helvetica", fontsize=10, margin="0.1,0.05", height=0.25];',
+                 'edge [color="#ff0000", fontcolor="#ff0000", fontname="Helvetica", fontsize=9, arrowsize=0.6];']
         for group, (label, members) in self.groups.items():
             names = " ".join(members)
             lines.append(f'subgraph cluster_{group} {{ label={quoted(label)}; style="rounded,dashed"; color="#ff0000"; '
-                         f'fontcolor="#ff0000"; fontname="Helvetica"; fontsize=13; {names}; }}')
+                         f'fontcolor="#ff0000"; fontname="Helvetica"; fontsize=10; {names}; }}')
         lines += [f"{name} [label={quoted(label)}];" for name, label in self.labels.items()]
         for start, end, label, dashed in self.edges:
             about = [f"label={quoted(label)}"] if label else []
@@ -83,21 +87,40 @@ class Drawing:
                 for start, end, label, _ in self.edges]
 
 
-def svg(drawing):
-    done = subprocess.run(["dot", "-Tsvg"], input=drawing.dot(), capture_output=True, text=True, check=True)
-    text = done.stdout[done.stdout.index("<svg"):]
-    text = re.sub(r"<!--.*?-->\n?|<title>.*?</title>\n?", "", text, flags=re.S)
+def laid_out(drawing):
+    return subprocess.run(["dot", "-Tsvg"], input=drawing.dot(), capture_output=True, text=True, check=True).stdout
+
+
+def width_of(svg):
+    return float(re.search(r'width="([\d.]+)pt"', svg)[1]) * 4 / 3
+
+
+def svg_of(drawing):
+    """The drawing as SVG, and its width in pixels. One that is too wide from left to right goes from top to bottom."""
+    text = laid_out(drawing)
+    if drawing.direction == "LR" and width_of(text) > WIDEST:
+        drawing.direction = "TB"
+        text = laid_out(drawing)
+    width = width_of(text)
+    text = re.sub(r"<!--.*?-->\n?|<title>.*?</title>\n?", "", text[text.index("<svg"):], flags=re.S)
     # Colours are those of the page, which may be dark.
-    text = text.replace("#ff0000", "currentColor").replace("#00ff00", "var(--color-background-secondary)")
-    text = re.sub(r' (id|class|xmlns:xlink)="[^"]*"', "", text).replace("fill=\"currentColor\" stroke=\"currentColor\"",
-                                                                       'fill="currentColor" stroke="currentColor"')
-    return text.replace("<svg ", '<svg role="img" aria-hidden="true" ', 1)
+    text = text.replace("#ff0000", "currentColor").replace("#00ff00", "var(--color-background-secondary, #f4f5f7)")
+    text = re.sub(r' (id|class|xmlns:xlink)="[^"]*"', "", text)
+    return text, width
 
 
-def html_fence(source):
-    """The drawing as a block of MyST, its arrows also as a list."""
+def fence(source, write):
+    """The drawing as a block of MyST, its arrows also as a list. One that is wider than the text can be scrolled, and
+    opened alone: `write` takes its file and returns a link to it."""
     drawing = Drawing(source)
+    svg, width = svg_of(drawing)
     arrows = "".join(f"<li>{html.escape(line)}</li>" for line in drawing.words())
-    lines = ["```{raw} html", f'<div class="drawing" tabindex="0">{svg(drawing)}</div>',
-             f"<details class=\"drawing-words\"><summary>This drawing in words</summary><ul>{arrows}</ul></details>", "```"]
-    return "\n".join(line for line in "\n".join(lines).split("\n") if line.strip())
+    smallest = width if width > WIDEST else 0.8 * width
+    style = f"width: {width:.0f}px; min-width: {smallest:.0f}px; height: auto"
+    picture = svg.replace("<svg ", f'<svg aria-hidden="true" style="{style}" ', 1)
+    lines = ["```{raw} html", f'<div class="drawing" tabindex="0">{picture}</div>',
+             '<details class="drawing-words"><summary>The arrows as a list</summary>',
+             f"<ul>{arrows}</ul></details>", "```"]
+    if width > WIDEST:
+        lines += ["", f"[The drawing alone]({write(svg)}), in its full size."]
+    return "\n".join(lines)

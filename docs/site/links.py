@@ -10,6 +10,8 @@ GLOSSARY = "docs/glossary"
 EVERYDAY = set("""sample path slot entry pass frame band segment run capacity resolve emulate level quad net checkpoint
 training cell cluster branches candidate stage cover picture blocked technique body plan cost work reuse environment
 gain occlusion hierarchy panorama atlas""".split()) | {"supported by"}
+PAGE_LANGUAGES = {"docs/python": ("py", "wavepath."), "api/python": ("py", "wavepath."),
+                  "docs/library": ("cpp", "wavepath::")}
 PAGE_COMMANDS = {"docs/study": "study", "docs/window": "view", "docs/numerics": "selftest"}
 
 
@@ -44,7 +46,8 @@ def is_prose(node):
 def link_terms(app, doctree, docname):
     """The first mention of each word on a page leads to the glossary."""
     terms = getattr(app.env, "wavepath_terms", {})
-    patterns = {word: re.compile(rf"(?<![\w-]){re.escape(word)}(s?)(?![\w-])") for word in terms if word not in EVERYDAY}
+    words = [word for word in terms if word not in EVERYDAY]
+    patterns = {word: re.compile(rf"(?<![\w-]){re.escape(word)}s?(?![\w-])") for word in words}
     for text in [text for text in doctree.findall(nodes.Text) if is_prose(text.parent)]:
         pieces, rest = [], str(text)
         while patterns:
@@ -79,8 +82,22 @@ def flag_target(app, docname, code):
     return None
 
 
-def link_flags(app, doctree, docname):
-    """Code of a flag or command in running text leads to its description."""
+def object_target(app, docname, code):
+    """Page and anchor of `Scene.render`, `wavepath.Camera(eye=...)` or, in texts about C++, `Session`."""
+    match = re.match(r"(?:wavepath(?:\.|::))?([A-Za-z]\w*(?:\.\w+)?)(?=\W|$)", code)
+    if not match or docname not in PAGE_LANGUAGES or re.match(r"\w+ ?=", code):
+        return None
+    language, prefix = PAGE_LANGUAGES[docname]
+    name = prefix + match[1]
+    return object_places(app, language).get(name) if "wavepath" in match[0] or match[1][0].isupper() else None
+
+
+def object_places(app, language):
+    return {name: (page, anchor) for name, _, _, page, anchor, _ in app.env.get_domain(language).get_objects()}
+
+
+def link_code(app, doctree, docname):
+    """Code of a flag, a command or a class in running text leads to its description."""
     for code in list(doctree.findall(nodes.literal)):
         parents = []
         node = code.parent
@@ -89,7 +106,7 @@ def link_flags(app, doctree, docname):
             node = node.parent
         if any(isinstance(one, (nodes.reference, nodes.title)) for one in parents):
             continue
-        target = flag_target(app, docname, code.astext())
+        target = flag_target(app, docname, code.astext()) or object_target(app, docname, code.astext())
         if target:
             place, anchor = target
             link = make_refnode(app.builder, docname, place, anchor, code.deepcopy())
@@ -103,7 +120,7 @@ def resolve(app, doctree, docname):
     if docname.startswith(("docs/", "README")) and docname != GLOSSARY:
         link_terms(app, doctree, docname)
     if docname.startswith(("docs/", "README", "index", "CONTRIBUTING", "api/")):
-        link_flags(app, doctree, docname)
+        link_code(app, doctree, docname)
 
 
 def purge(app, env, docname):

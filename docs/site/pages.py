@@ -10,7 +10,7 @@ import drawings
 
 START = "docs/README.md"  # its tables become the front page and the navigation
 GALLERY = "benchmarks/results/gallery/README.md"
-LINK = re.compile(r"(?<!\!)\[([^\]]*)\]\(([^)#\s]*)(?:#([^)\s]+))?\)")
+LINK = re.compile(r"(?<!\!)\[([^\[\]]*)\]\(([^)#\s]*)(?:#([^)\s]+))?\)")
 PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
 FENCE = re.compile(r"(?ms)^( *```.*?^ *```)$")
 SHOWN = {".cpp": "cpp", ".h": "cpp", ".py": "python", ".sh": "bash", "": "text", ".txt": "text"}  # on a page
@@ -18,29 +18,20 @@ SHOWN = {".cpp": "cpp", ".h": "cpp", ".py": "python", ".sh": "bash", "": "text",
 
 @dataclasses.dataclass
 class Stage:
-    """The folder that Sphinx reads. Files that have not changed keep their time, so that Sphinx skips them."""
+    """The folder that Sphinx reads."""
     root: pathlib.Path
     folder: pathlib.Path
-    written: set = dataclasses.field(default_factory=set)
 
     def write(self, name, content):
-        content = content if isinstance(content, bytes) else content.encode()
         file = self.folder / name
-        self.written.add(file)
-        if not file.is_file() or file.read_bytes() != content:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(content)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content if isinstance(content, bytes) else content.encode())
 
     def copy(self, name):
         self.write(name, (self.root / name).read_bytes())
 
     def text(self, name):
         return (self.root / name).read_text(encoding="utf-8")
-
-    def finish(self):
-        """Removes what an earlier build has left."""
-        for file in [file for file in self.folder.rglob("*") if file.is_file() and file not in self.written]:
-            file.unlink()
 
 
 def slug(title):
@@ -103,7 +94,9 @@ def link_of(stage, pages, page, match):
         stage.copy(target)
     if target in pages:
         titles = headings(stage.text(target))
-        if text.endswith(".md") or text == link:
+        if target == START and text.endswith(".md"):
+            text = "The front page"
+        elif text.endswith(".md") or text == link:
             named = [title for title in titles if slug(title) == anchor]
             text = short((named or titles)[0])
     place = relative(place_of(page), place_of(target))
@@ -140,7 +133,13 @@ def adapted(stage, pages, page, text):
     parts = FENCE.split(text)
     for i, part in enumerate(parts):
         if part.lstrip().startswith("```mermaid"):
-            parts[i] = drawings.html_fence("\n".join(part.strip().split("\n")[1:-1]))
+            name = f"{pathlib.PurePosixPath(page).with_suffix('')}-{i}.svg"
+
+            def write(svg):
+                stage.write(name, svg)
+                return posixpath.basename(name)
+
+            parts[i] = drawings.fence("\n".join(part.strip().split("\n")[1:-1]), write)
         elif not part.lstrip().startswith("```"):
             part = PICTURE.sub(picture, part)
             parts[i] = LINK.sub(lambda match: link_of(stage, pages, page, match), part)
@@ -191,7 +190,8 @@ def gallery_page(stage):
     rows = re.findall(r"(?m)^\| !\[(\w+)\]\((\S+)\) \| (.*?) \| `(.*?)` \| (.*?) \| (.*?) \| (.*?) \|$", text)
     for name, file, what, command, seconds, samples, error in rows:
         stage.copy(f"{folder}/{file}")
-        lines += [f"## {what[0].upper()}{what[1:]}", "", f"```{{figure}} {file}", ":width: 100%", f":alt: {json.dumps(what)}", "",
+        lines += [f"## {what[0].upper()}{what[1:]}", "", f"```{{figure}} {file}", ":width: 100%",
+                  f":alt: {json.dumps(what)}", "",
                   f"{float(seconds):.0f} s of rendering, {samples} samples a pixel; error {error} before the filter",
                   "```", "", "```", command, "```", ""]
     lines += ["## Pictures of the pages", "", "Each leads to the page that explains it.", "", ":::{container} pictures"]
