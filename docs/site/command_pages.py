@@ -159,7 +159,7 @@ def page_of(stage, program, command, commands):
     if examples:
         lines += [*heading("Examples", "-"), ".. code-block:: text", ""]
         lines += [*(f"   {line}" for _, line in examples[:8]), ""]
-        sources = {page: pages.short(pages.headings(stage.text(page))[0]) for page, _ in examples[:8]}
+        sources = {page: pages.title_of(stage, page) for page, _ in examples[:8]}
         links = (f":doc:`{title} </{pages.document_name(page)}>`" for page, title in sources.items())
         lines += [f"They are explained in {', '.join(links)}.", ""]
     for group, members in parsed.groups:

@@ -4,6 +4,7 @@ import pathlib
 import re
 import sys
 import types
+import typing
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -44,22 +45,31 @@ suppress_warnings = ["myst.header"]  # tables that a script writes go from # to 
 # Types that have no page here.
 nitpick_ignore_regex = [
     (r"cpp:identifier", r"std(::.*)?|wavepath|_?[a-z_]+_t"),
-    (r"py:.*", r"(np|numpy|collections|os|pathlib|typing)\..*|NDArray|(ArrayLike|CameraArgument|Picture|ProgressArgument)"),
-    (r"py:.*", r"(.*\.)?_?T"),
+    (r"py:.*", r"(np|numpy|collections|os|pathlib|typing)\..*|NDArray|ArrayLike"),
+    (r"py:.*", r"CameraArgument|Picture|ProgressArgument|(.*\.)?_?T"),
 ]
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_preserve_defaults = True
+autodoc_typehints_format = "short"
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "CameraArgument", "Picture", "ProgressArgument")}
 python_use_unqualified_type_names = True
 
 
+class NDArray(typing.Generic[typing.TypeVar("Scalar")]):
+    """NumPy's, by its name alone."""
+    __module__ = "numpy.typing"
+
+
 def load_module():
-    """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. So does a
-    mock for NumPy."""
-    from sphinx.ext.autodoc.mock import _MockModule
-    for name in ("numpy", "numpy.typing"):
-        sys.modules[name] = _MockModule(name)
+    """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. Names stand in
+    for NumPy, so that pages are the same where it is installed and where it is not."""
+    names = ("float32", "float64", "int32", "int64", "uint32")
+    numbers = {name: type(name, (), {"__module__": "numpy"}) for name in names}
+    sys.modules["numpy"] = types.ModuleType("numpy")
+    sys.modules["numpy"].__dict__.update(numbers, eye=lambda size: None)
+    sys.modules["numpy.typing"] = types.ModuleType("numpy.typing")
+    sys.modules["numpy.typing"].__dict__.update(NDArray=NDArray, ArrayLike=typing.Any)
     file = str(ROOT / "python" / "wavepath" / "_core.pyi")
     core = types.ModuleType("wavepath._core")
     core.__file__ = file

@@ -10,6 +10,7 @@ import drawings
 
 START = "docs/README.md"  # its tables become the front page and the navigation
 GALLERY = "benchmarks/results/gallery/README.md"
+TITLES = {START: "The front page", "README.md": "Overview and installation"}  # where a page has another one
 LINK = re.compile(r"(?<!\!)\[([^\[\]]*)\]\(([^)#\s]*)(?:#([^)\s]+))?\)")
 PICTURE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
 FENCE = re.compile(r"(?ms)^( *```.*?^ *```)$")
@@ -50,6 +51,14 @@ def plain(markdown):
 def short(title):
     """A title without what stands behind its colon."""
     return plain(title).split(": ")[0]
+
+
+def title_of(stage, page, anchor=None):
+    """Short title of a page, or of its section."""
+    if page in TITLES and not anchor:
+        return TITLES[page]
+    titles = headings(stage.text(page))
+    return short(next((title for title in titles if slug(title) == anchor), titles[0]))
 
 
 def target_of(page, link):
@@ -93,12 +102,8 @@ def link_of(stage, pages, page, match):
     elif target not in pages:
         stage.copy(target)
     if target in pages:
-        titles = headings(stage.text(target))
-        if target == START and text.endswith(".md"):
-            text = "The front page"
-        elif text.endswith(".md") or text == link:
-            named = [title for title in titles if slug(title) == anchor]
-            text = short((named or titles)[0])
+        if text.endswith(".md") or text == link:
+            text = title_of(stage, target, anchor)
     place = relative(place_of(page), place_of(target))
     return f"[{text}]({place}{'#' + anchor if anchor else ''})"
 
@@ -163,7 +168,7 @@ def front_page(stage, pages):
     for name in re.findall(r"(?m)^```\{figure\} (\S+)$", front):
         stage.copy(name)
     listed = {START, GALLERY, "docs/glossary.md", "docs/python.md", "docs/library.md"}
-    trees = [toctree("Overview and installation <README>", f"Gallery <{document_name(GALLERY)}>", caption="Start"),
+    trees = [toctree(f"{TITLES['README.md']} <README>", f"Gallery <{document_name(GALLERY)}>", caption="Start"),
              toctree("Python guide <docs/python>", "Python API <api/python>", "C++ guide <docs/library>",
                      "C++ API <api/cpp>", "Commands and flags <commands/index>", "Glossary <docs/glossary>",
                      caption="Reference")]
@@ -175,7 +180,7 @@ def front_page(stage, pages):
             target = target_of(START, link)
             if target in pages and target not in listed:
                 listed.add(target)
-                entries.append(f"{short(headings(stage.text(target))[0])} <{document_name(target)}>")
+                entries.append(f"{title_of(stage, target)} <{document_name(target)}>")
         trees.insert(-1, toctree(*entries, caption=caption))
     trees[-2:] = reversed(trees[-2:])  # the last section is for those who change the program
     return f"{front}\n{body}\n{''.join(trees)}", listed
