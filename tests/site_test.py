@@ -125,13 +125,14 @@ class Page(html.parser.HTMLParser):
     def __init__(self, file):
         super().__init__()
         self.ids, self.links, self.loads, self.words, self.classes = set(), [], [], [], []
-        self.silent = 0
+        self.silent, self.has_module = 0, False
         self.feed(file.read_text(encoding="utf-8"))
         self.text = flat(" ".join(self.words))
 
     def handle_starttag(self, tag, attributes):
         about = dict(attributes)
         self.ids.update(about[key] for key in ("id", "name") if about.get(key))
+        self.has_module |= tag == "script" and about.get("type") == "module"
         self.classes += (about.get("class") or "").split()
         if tag == "a" and "href" in about:
             self.links.append(about["href"])
@@ -214,7 +215,12 @@ class Site(unittest.TestCase):
             with self.subTest(file=file.name):
                 script = file.read_text(encoding="utf-8")
                 self.assertNotRegex(script, r"(?m)^(import|export) |\bimport\(|fetch\(['\"]http")
-        self.assertNotIn("module", [content for page in self.pages.values() for content in page.classes])
+        self.assertEqual([name for name, content in self.pages.items() if content.has_module], [])
+
+    def test_pages_are_dark_on_request(self):
+        sheet = (self.out / "_static" / "styles" / "furo.css").read_text(encoding="utf-8")
+        of_the_browser = sheet[sheet.rindex("prefers-color-scheme"):]
+        self.assertRegex(of_the_browser, r'body:not\(\[data-theme="?light"?\]\)[^{}]*\{[^{}]*--color-background-primary')
 
     def test_every_document_is_there(self):
         for document in [*DOCUMENTS[:-1], ROOT / "CHANGELOG.md", *(ROOT / "benchmarks" / "results").rglob("*.md")]:

@@ -9,7 +9,7 @@ GLOSSARY = "docs/glossary"
 # Words of the glossary that texts also use in their everyday sense.
 EVERYDAY = set("""sample path slot entry pass frame band segment run capacity resolve emulate level quad net checkpoint
 training cell cluster branches candidate stage cover picture blocked technique body plan cost work reuse environment
-gain occlusion hierarchy panorama atlas""".split()) | {"supported by"}
+gain occlusion hierarchy panorama atlas film""".split()) | {"supported by"}
 PAGE_LANGUAGES = {"docs/python": ("py", "wavepath."), "api/python": ("py", "wavepath."),
                   "docs/library": ("cpp", "wavepath::")}
 PAGE_COMMANDS = {"docs/study": "study", "docs/window": "view", "docs/numerics": "selftest"}
