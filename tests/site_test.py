@@ -231,6 +231,7 @@ class Site(unittest.TestCase):
                 text = FENCE.sub("", document.read_text(encoding="utf-8"))
                 text = re.sub(r"(?s)!\[.*?\]\(\S+?\)|<!--.*?-->", "", text)
                 lines = re.sub(r"(?m)^ *\d+\. ", "", text).split("\n")
+                self.assertTrue(page in self.pages, "no link leads to it from docs/README.md")
                 if page == "index.html":  # whose beginning is another
                     lines = lines[lines.index("## Make a picture"):]
                 for line in lines:
@@ -260,6 +261,7 @@ class Site(unittest.TestCase):
                 with self.subTest(command=command, line=line):
                     for words in re.split(r"docs/[\w-]+\.md", re.sub(r"\[?default: .*", "", line)):  # pages have titles
                         self.has(flat(words), page.text)
+            self.assertNotIn("\u2013", " ".join(page.words), "-- of a flag became a dash")
             for heading in re.findall(r"(?m)^([A-Z][^\n:]*)\n  ", whole):
                 self.has(flat(heading), page.text)
 

@@ -95,13 +95,13 @@ def linked(text, flags, commands, choices=()):
             return f":doc:`/{word[:-3]}`"
         if word.startswith("'wavepath "):
             name = word.split(" ")[1].strip("'")
-            return f":doc:`{escaped(word[1:-1])} </commands/{name}>`" if name in commands else escaped(word)
+            return f":doc:`{escaped(word[1:-1])} </commands/{name}>`" if name in commands else f"``{word[1:-1]}``"
         if word.startswith("-"):
             return f":option:`{word}`" if word in flags else f"``{word}``"
         return f"``{word}``"
 
     pattern = r"docs/[\w-]+\.md|'wavepath [^']+'|(?<![\w-])--?[a-z][a-z-]*"
-    pattern += r"|(?<![\w.])\.(?:exr|hdr|png|jpg|gltf|glb|json)\b"
+    pattern += r"|(?<![\w.])\.(?:exr|hdr|png|jpg|gltf|glb|json)\b|(?:~|\$[A-Z_]+)/[\w./]*\w|[A-Z_]{9,}=\w+"
     if choices:
         pattern += rf"|(?<![\w-])(?:{'|'.join(map(re.escape, choices))})(?=:)"
     parts, last = [], 0
@@ -187,9 +187,17 @@ def index_of(program, commands):
              ".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", "   * - command", "     - what it does"]
     for name, about in commands:
         lines += [f"   * - :doc:`{name} </commands/{name}>`", f"     - {escaped(about)}"]
-    lines += ["", *heading("All commands", "-")]
+    lines += ["", *heading("Exit codes, help and caches", "-")]
     for paragraph in whole.end:
-        lines += [linked(paragraph, set(), {}), ""]
+        before, _, rest = paragraph.partition(" Exit codes: ")
+        codes, _, behind = rest.partition(". ")
+        lines += [linked(before, set(), {}), ""]
+        if codes:
+            lines += [".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", "   * - exit code", "     - meaning"]
+            for code in re.split(r", (?=\d+ )", codes):
+                number, meaning = code.split(" ", 1)
+                lines += [f"   * - ``{number}``", f"     - {linked(meaning, set(), {})}"]
+            lines += ["", linked(behind, set(), {}), ""]
     lines += [".. toctree::", "   :hidden:", "", *(f"   {name}" for name, _ in commands), ""]
     return "\n".join(lines)
 

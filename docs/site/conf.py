@@ -33,6 +33,7 @@ html_theme_options = {
 pygments_style, pygments_dark_style = "friendly", "monokai"
 highlight_language = "none"  # of blocks without one: commands
 nitpicky = True
+smartquotes_action = "qe"  # no dashes: -- begins flags
 toc_object_entries_show_parents = "hide"
 
 myst_enable_extensions = ["colon_fence"]

@@ -12,6 +12,7 @@ training cell cluster branches candidate stage cover picture blocked technique b
 gain occlusion hierarchy panorama atlas film""".split()) | {"supported by"}
 PAGE_LANGUAGES = {"docs/python": ("py", "wavepath."), "api/python": ("py", "wavepath."),
                   "docs/library": ("cpp", "wavepath::")}
+VARIABLES = {"r": "Result", "scene": "Scene", "job": "Job"}  # of the examples in Python
 PAGE_COMMANDS = {"docs/study": "study", "docs/window": "view", "docs/numerics": "selftest"}
 
 
@@ -88,8 +89,10 @@ def object_target(app, docname, code):
     if not match or docname not in PAGE_LANGUAGES or re.match(r"\w+ ?=", code):
         return None
     language, prefix = PAGE_LANGUAGES[docname]
-    name = prefix + match[1]
-    return object_places(app, language).get(name) if "wavepath" in match[0] or match[1][0].isupper() else None
+    variable, dot, member = match[1].partition(".")
+    name = prefix + VARIABLES.get(variable, variable) + dot + member
+    is_one = "wavepath" in match[0] or match[1][0].isupper() or (variable in VARIABLES and member)
+    return object_places(app, language).get(name) if is_one else None
 
 
 def object_places(app, language):

@@ -171,7 +171,7 @@ def front_page(stage, pages):
     trees = [toctree(f"{TITLES['README.md']} <README>", f"Gallery <{document_name(GALLERY)}>", caption="Start"),
              toctree("Python guide <docs/python>", "Python API <api/python>", "C++ guide <docs/library>",
                      "C++ API <api/cpp>", "Commands and flags <commands/index>", "Glossary <docs/glossary>",
-                     caption="Reference")]
+                     "Index of names and flags <genindex>", caption="Reference")]
     listed.add("README.md")
     for section in stage.text(START).split("\n## ")[1:]:
         caption = section.split("\n")[0]
@@ -207,7 +207,7 @@ def gallery_page(stage):
             place = relative(GALLERY, target)
             lines += [f"```{{figure}} {place}", f":alt: {json.dumps(' '.join(alt.split()))}", "",
                       f"[{' '.join(plain(alt).split())}]({relative(GALLERY, page)})", "```", ""]
-    return "\n".join([*lines, ":::", ""]), len(rows)
+    return "\n".join([*lines, ":::", ""])
 
 
 def write(stage):
@@ -223,7 +223,7 @@ def write(stage):
     for page in pages:
         if page == START:
             continue
-        text = gallery_page(stage)[0] if page == GALLERY else adapted(stage, pages, page, stage.text(page))
+        text = gallery_page(stage) if page == GALLERY else adapted(stage, pages, page, stage.text(page))
         below = [f"/{document_name(child)}" for child in children.get(page, [])]
         if below:
             text += "\n" + toctree(*below)
