@@ -38,7 +38,7 @@ def main():
     cpp_pages.write(stage)
 
     strict = ["-W", "--keep-going"] if args.strict else []
-    command = [sys.executable, "-m", "sphinx", "-b", "html", "-n", "-q", "-E", *strict, "-c", HERE,
+    command = [sys.executable, "-B", "-m", "sphinx", "-b", "html", "-n", "-q", "-E", *strict, "-c", HERE,
                "-d", work / "doctrees", stage.folder, out]
     done = subprocess.run(command, check=False)
     if done.returncode == 0:

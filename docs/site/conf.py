@@ -11,7 +11,6 @@ ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "python")]
 
 
-
 def colours(brand):
     names = {"color-brand-primary": brand, "color-brand-content": brand, "color-api-name": brand}
     return {**names, "color-api-pre-name": "var(--color-foreground-secondary)"}
@@ -65,10 +64,11 @@ class NDArray(typing.Generic[typing.TypeVar("Scalar")]):
 def load_module():
     """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. Names stand in
     for NumPy, so that pages are the same where it is installed and where it is not."""
-    names = ("float32", "float64", "int32", "int64", "uint32")
-    numbers = {name: type(name, (), {"__module__": "numpy"}) for name in names}
+    def named(name):
+        return type(name, (), {"__module__": "numpy", "__init__": lambda self, *values: None})
+
     sys.modules["numpy"] = types.ModuleType("numpy")
-    sys.modules["numpy"].__dict__.update(numbers, eye=lambda size: None)
+    sys.modules["numpy"].__getattr__ = named
     sys.modules["numpy.typing"] = types.ModuleType("numpy.typing")
     sys.modules["numpy.typing"].__dict__.update(NDArray=NDArray, ArrayLike=typing.Any)
     file = str(ROOT / "python" / "wavepath" / "_core.pyi")

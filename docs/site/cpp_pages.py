@@ -3,7 +3,7 @@
 import dataclasses
 import re
 
-HEADERS = ("session", "scene", "camera", "settings", "result", "device", "compare", "command", "error", "version")
+FIRST = ("session", "scene", "camera", "settings", "result", "device", "compare", "command", "error")
 FOLDER = "include/wavepath"
 
 
@@ -165,7 +165,8 @@ def write(stage):
              "``#include <wavepath/wavepath.h>`` includes all headers. :doc:`/docs/library` tells how programs are "
              "built, and what they can rely on. Functions throw :cpp:class:`wavepath::Error`.", "",
              ".. cpp:namespace:: wavepath", "", ".. default-role:: code", ""]
-    for header in HEADERS:
+    others = sorted(file.stem for file in (stage.root / FOLDER).glob("*.h") if file.stem not in ("wavepath", "export"))
+    for header in dict.fromkeys([*FIRST, *others]):
         job, declarations = read(stage.text(f"{FOLDER}/{header}.h"))
         inner = [one.code for one in declarations if one.kind() == "struct" and not one.members and not one.about]
         title = f"<wavepath/{header}.h>"

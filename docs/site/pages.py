@@ -164,15 +164,14 @@ def front_page(stage, pages):
     """The hand-written beginning, the tables of docs/README.md, and the navigation, which follows these tables."""
     start = adapted(stage, pages, START, stage.text(START))
     body = start[start.index("\n## ") + 1:]
-    front = PICTURE.sub(lambda match: stage.copy(match[2]) or match[0], stage.text("docs/site/front.md"))
+    front = stage.text("docs/site/front.md")
     for name in re.findall(r"(?m)^```\{figure\} (\S+)$", front):
         stage.copy(name)
-    listed = {START, GALLERY, "docs/glossary.md", "docs/python.md", "docs/library.md"}
+    listed = {START, "README.md", GALLERY, "docs/glossary.md", "docs/python.md", "docs/library.md"}
     trees = [toctree(f"{TITLES['README.md']} <README>", f"Gallery <{document_name(GALLERY)}>", caption="Start"),
              toctree("Python guide <docs/python>", "Python API <api/python>", "C++ guide <docs/library>",
                      "C++ API <api/cpp>", "Commands and flags <commands/index>", "Glossary <docs/glossary>",
                      "Index of names and flags <genindex>", caption="Reference")]
-    listed.add("README.md")
     for section in stage.text(START).split("\n## ")[1:]:
         caption = section.split("\n")[0]
         entries = []
@@ -210,16 +209,22 @@ def gallery_page(stage):
     return "\n".join([*lines, ":::", ""])
 
 
+def parent_of(page):
+    """The page below which one stands in the navigation that docs/README.md does not name."""
+    for parent in ("benchmarks/results/README.md", "scenes/README.md"):
+        if page != parent and page.startswith(posixpath.dirname(parent)):
+            return parent
+    return "README.md"
+
+
 def write(stage):
     pages = discover(stage.root)
     front, listed = front_page(stage, pages)
     stage.write("index.md", front)
     children = {}
     for page in pages:
-        if page not in listed:  # below the nearest page that is listed
-            children.setdefault("benchmarks/results/README.md" if page.startswith("benchmarks/") else
-                                "scenes/README.md" if page.startswith("scenes/") and page != "scenes/README.md" else
-                                "README.md", []).append(page)
+        if page not in listed:
+            children.setdefault(parent_of(page), []).append(page)
     for page in pages:
         if page == START:
             continue
