@@ -220,7 +220,8 @@ class Site(unittest.TestCase):
     def test_pages_are_dark_on_request(self):
         sheet = (self.out / "_static" / "styles" / "furo.css").read_text(encoding="utf-8")
         of_the_browser = sheet[sheet.rindex("prefers-color-scheme"):]
-        self.assertRegex(of_the_browser, r'body:not\(\[data-theme="?light"?\]\)[^{}]*\{[^{}]*--color-background-primary')
+        rule = r'body:not\(\[data-theme="?light"?\]\)[^{}]*\{[^{}]*--color-background-primary'
+        self.assertRegex(of_the_browser, rule)
 
     def test_every_document_is_there(self):
         for document in [*DOCUMENTS[:-1], ROOT / "CHANGELOG.md", *(ROOT / "benchmarks" / "results").rglob("*.md")]:

@@ -179,12 +179,16 @@ def page_of(stage, program, command, commands):
     return "\n".join(lines)
 
 
+def table(*heads):
+    rows = [f"{'     -' if i else '   * -'} {head}" for i, head in enumerate(heads)]
+    return [".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", *rows]
+
+
 def index_of(program, commands):
     whole = parse(ask(program, "--help"))
     lines = [*heading("Commands and flags", "="),
              f"{escaped(capital(whole.about))}. ``./run COMMAND`` in the folder of wavepath is "
-             "``wavepath COMMAND`` after a build.", "",
-             ".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", "   * - command", "     - what it does"]
+             "``wavepath COMMAND`` after a build.", "", *table("command", "what it does")]
     for name, about in commands:
         lines += [f"   * - :doc:`{name} </commands/{name}>`", f"     - {escaped(about)}"]
     lines += ["", *heading("Exit codes, help and caches", "-")]
@@ -193,7 +197,7 @@ def index_of(program, commands):
         codes, _, behind = rest.partition(". ")
         lines += [linked(before, set(), {}), ""]
         if codes:
-            lines += [".. list-table::", "   :header-rows: 1", "   :widths: 22 78", "", "   * - exit code", "     - meaning"]
+            lines += table("exit code", "meaning")
             for code in re.split(r", (?=\d+ )", codes):
                 number, meaning = code.split(" ", 1)
                 lines += [f"   * - ``{number}``", f"     - {linked(meaning, set(), {})}"]

@@ -62,8 +62,8 @@ class NDArray(typing.Generic[typing.TypeVar("Scalar")]):
 
 
 def load_module():
-    """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. Names stand in
-    for NumPy, so that pages are the same where it is installed and where it is not."""
+    """Imports the Python module without what is compiled: its stub, python/wavepath/_core.pyi, stands in. Names stand
+    in for NumPy, so that pages are the same where it is installed and where it is not."""
     def named(name):
         return type(name, (), {"__module__": "numpy", "__init__": lambda self, *values: None})
 
