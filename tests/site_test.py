@@ -165,9 +165,8 @@ class Site(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
         cls.out = pathlib.Path(cls.folder.name) / "site"
-        work = pathlib.Path(cls.folder.name) / "work"
         done = subprocess.run([cls.python, "-B", ROOT / "docs" / "site" / "build.py", "--program", WAVEPATH, "--out",
-                               cls.out, "--work", work, "--strict"], capture_output=True, text=True, check=False)
+                               cls.out, "--strict"], capture_output=True, text=True, check=False)
         if done.returncode or done.stderr:
             raise AssertionError(done.stderr or done.stdout)
         cls.pages = {str(file.relative_to(cls.out)): Page(file) for file in cls.out.rglob("*.html")}

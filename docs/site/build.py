@@ -4,14 +4,14 @@
     ./run site [FOLDER]
     docs/site/build.py --program build/host/wavepath [--out build/site] [--strict]
 
-Copies the documents into a folder of their own, adds the pages that are made of something else (commands of --help,
+Copies the documents into a temporary folder, adds the pages that are made of something else (commands of --help,
 C++ of the headers, gallery of its table), and runs Sphinx on it. --strict makes warnings errors."""
 
 import argparse
 import pathlib
-import shutil
 import subprocess
 import sys
+import tempfile
 
 import command_pages
 import cpp_pages
@@ -25,22 +25,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build" / "host" / "wavepath", type=pathlib.Path)
     parser.add_argument("--out", default=ROOT / "build" / "site", type=pathlib.Path)
-    parser.add_argument("--work", type=pathlib.Path, help="folder of copied pages and of Sphinx's notes")
     parser.add_argument("--strict", action="store_true")
     args = parser.parse_args()
     out = args.out.resolve()
-    work = (args.work or ROOT / "build" / ".site").resolve()
-
-    shutil.rmtree(work / "pages", ignore_errors=True)
-    stage = pages.Stage(ROOT, work / "pages")
-    pages.write(stage)
-    command_pages.write(stage, args.program.resolve())
-    cpp_pages.write(stage)
-
-    strict = ["-W", "--keep-going"] if args.strict else []
-    command = [sys.executable, "-B", "-m", "sphinx", "-b", "html", "-n", "-q", "-E", *strict, "-c", HERE,
-               "-d", work / "doctrees", stage.folder, out]
-    done = subprocess.run(command, check=False)
+    with tempfile.TemporaryDirectory() as work:
+        stage = pages.Stage(ROOT, pathlib.Path(work) / "pages")
+        pages.write(stage)
+        command_pages.write(stage, args.program.resolve())
+        cpp_pages.write(stage)
+        strict = ["-W", "--keep-going"] if args.strict else []
+        command = [sys.executable, "-B", "-m", "sphinx", "-b", "html", "-n", "-q", *strict, "-c", HERE,
+                   "-d", pathlib.Path(work) / "notes", stage.folder, out]
+        done = subprocess.run(command, check=False)
     if done.returncode == 0:
         print(out / "index.html")
     return done.returncode
