@@ -8,7 +8,9 @@ Copies the documents into a temporary folder, adds the pages that are made of so
 C++ of the headers, gallery of its table), and runs Sphinx on it. --strict makes warnings errors."""
 
 import argparse
+import importlib.util
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -21,6 +23,16 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
 
+def missing(program):
+    """What is not there, and where it comes from."""
+    if not program.is_file():
+        return f"{program} does not exist; build it, or name another one by --program"
+    packages = {"python3-sphinx": "sphinx", "python3-myst-parser": "myst_parser", "furo": "furo"}
+    absent = [package for package, module in packages.items() if importlib.util.find_spec(module) is None]
+    absent += [] if shutil.which("dot") else ["graphviz"]
+    return f"needs {', '.join(absent)}; install what is missing" if absent else ""
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build" / "host" / "wavepath", type=pathlib.Path)
@@ -28,6 +40,8 @@ def main():
     parser.add_argument("--strict", action="store_true")
     args = parser.parse_args()
     out = args.out.resolve()
+    if problem := missing(args.program):
+        sys.exit(f"wavepath: error: site: {problem}")
     with tempfile.TemporaryDirectory() as work:
         stage = pages.Stage(ROOT, pathlib.Path(work) / "pages")
         pages.write(stage)
