@@ -20,6 +20,7 @@ ROOT = pathlib.Path(sys.argv[1]).resolve()
 WAVEPATH, COMPILER = pathlib.Path(sys.argv[2]).resolve(), sys.argv[3]
 DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "scenes/README.md")]
 DOCUMENTS += [*sorted((ROOT / "docs").glob("*.md")), ROOT / "docs" / "site" / "front.md"]
+GALLERY = ROOT / "benchmarks" / "results" / "gallery" / "README.md"
 FENCE = re.compile(r"(?ms)^```([^\n]*)\n(.*?)^```$")
 COMMAND = re.compile(r"(?:^(?:\w+=\S+ )*(?:\$ )?|`)(?:\./run|wavepath) +([a-z](?:[^#\n`;|&]|(?<=\S)#)*)", re.M)
 OF_THE_LAUNCHER = ("python", "test", "setup", "format", "site")
@@ -55,8 +56,8 @@ class Examples(unittest.TestCase):
         environment.pop("DISPLAY", None)
         checked = set()
         with tempfile.TemporaryDirectory() as folder:
-            for document in DOCUMENTS:
-                for line in COMMAND.findall(document.read_text(encoding="utf-8")):
+            for document in [*DOCUMENTS, GALLERY]:
+                for line in COMMAND.findall(document.read_text(encoding="utf-8").replace("ASSETS/", "assets/")):
                     words = shlex.split(line.replace("$", "").replace("tile_*", "tile_0.exr tile_1"))
                     about_values = re.search(r"(?<![\w.%/])[A-Z][A-Z:,]*(?![\w.=])|\.\.\.|\[", line)
                     if words[0] in OF_THE_LAUNCHER or len(words) == 1 or about_values or tuple(words) in checked:
@@ -312,8 +313,7 @@ class Site(unittest.TestCase):
 
     def test_gallery_has_pictures_with_commands(self):
         page = self.pages["benchmarks/results/gallery/README.html"]
-        table = (ROOT / "benchmarks" / "results" / "gallery" / "README.md").read_text(encoding="utf-8")
-        rows = re.findall(r"(?m)^\| !\[\w+\]\((\S+)\) \| (.*?) \| `(.*?)` ", table)
+        rows = re.findall(r"(?m)^\| !\[\w+\]\((\S+)\) \| (.*?) \| `(.*?)` ", GALLERY.read_text(encoding="utf-8"))
         self.assertGreaterEqual(len(rows), 8)
         for file, what, command in rows:
             with self.subTest(file=file):
