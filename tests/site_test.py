@@ -342,6 +342,8 @@ class Site(unittest.TestCase):
             if drawings:
                 page = self.pages[name(document.with_suffix(".html"))]
                 self.assertEqual(page.classes.count("drawing"), len(drawings))
+                for group in re.findall(r"subgraph (\w+)", "".join(drawings)):
+                    self.assertNotIn(group, page.words, "a group is no node too")
                 for label in re.findall(r'\["(.*?)"\]', "".join(drawings)):
                     self.has(flat(label.replace("<br/>", " ")), page.text)
 

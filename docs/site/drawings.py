@@ -19,12 +19,13 @@ class Drawing:
         if not kind:
             raise ValueError(f"'{first}' is no drawing that docs/site/drawings.py knows")
         self.direction = {"LR": "LR", "TD": "TB"}[kind[1]]
-        self.labels, self.groups, self.edges = {}, {}, []
+        self.labels, self.edges = {}, []
+        heads = {line: re.fullmatch(r'subgraph (\w+)\["(.*)"\]', line) for line in lines}
+        self.groups = {head[1]: (head[2], []) for head in heads.values() if head}  # which arrows name before
         group = None
         for line in lines:
-            if match := re.fullmatch(r'subgraph (\w+)\["(.*)"\]', line):
-                group = match[1]
-                self.groups[group] = (match[2], [])
+            if heads[line]:
+                group = heads[line][1]
             elif line == "end":
                 group = None
             elif line and not line.startswith("direction "):
@@ -69,7 +70,7 @@ class Drawing:
                          f'fontcolor="#ff0000"; fontname="Helvetica"; fontsize=10; {names}; }}')
         lines += [f"{name} [label={quoted(label)}];" for name, label in self.labels.items()]
         for start, end, label, dashed in self.edges:
-            about = [f"label={quoted(label)}"] if label else []
+            about = [f"label={quoted(f'  {label}  ')}"] if label else []
             if dashed:
                 about.append("style=dashed")
             if start in self.groups:  # an edge of a group starts at one of its nodes, and is cut at its border
