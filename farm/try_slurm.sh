@@ -78,6 +78,15 @@ slurmctld -c -f "$SLURM_CONF"
 start_node() { slurmd -N "$1" -f "$SLURM_CONF"; }
 start_node n1
 start_node n2
+# At once with all that runs there, as a power cut does: the daemon, who started the tasks, then the tasks.
+kill_node() {
+  local task
+  kill -KILL "$(<"$1.pid")"
+  for task in $(pgrep -f "$folder/spool.$1/job"); do kill -KILL "$(ps -o ppid= -p "$task" | tr -d ' ')" || true; done
+  for task in $(pgrep -f "slurm_script|$folder|picture-part"); do
+    ! tr '\0' '\n' <"/proc/$task/environ" 2>/dev/null | grep -qx "SLURMD_NODENAME=$1" || kill -KILL "$task" || true
+  done
+}
 wait_for() { # seconds, what, command
   local end=$((SECONDS + $1)) what="$2"
   shift 2
@@ -101,11 +110,7 @@ scontrol requeue "${array}_1"
 wait_for 120 "state of a part on n2" bash -c "squeue -h -t R -w n2 -o %i | grep -q ."
 sleep 2
 echo "killed: node n2 with its tasks ($(squeue -h -t R -w n2 -o %i | paste -sd,))"
-pkill -KILL -f "slurmstepd: \[$array" -g "$(<n2.pid)" 2>/dev/null || true
-kill -KILL "$(<n2.pid)"
-pgrep -f "picture-part-0000[0-3].exr" | while read -r task; do # of the node alone: the environment names it
-  tr '\0' '\n' <"/proc/$task/environ" 2>/dev/null | grep -qx "SLURMD_NODENAME=n2" && kill -KILL "$task" || true
-done
+kill_node n2
 sleep 12
 start_node n2
 is_done() { [[ -s picture.exr ]] && [[ -z "$(squeue -h)" ]]; }
