@@ -1,11 +1,13 @@
 // A scene that is edited to be like another file gives that file's bits, however it got there; memory stays constant.
 #include <bit>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -15,10 +17,13 @@
 
 #include "host/base/error.h"
 #include "host/picture/files/picture_io.h"
+#include "host/plan/plan.h"
+#include "host/render/progressive/progressive.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/session/resolve.h"
 #include "host/session/session.h"
 #include "tests/gltf_builder.h"
+#include "tests/moving_lamps.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {
@@ -31,6 +36,7 @@ struct Room {
   std::vector<double> own_color = {0.8, 0.4, 0.2, 1.0};
   double own_roughness = 0.5, floor_roughness = 1.0, alpha_cutoff = -1.0;
   std::vector<double> own_emission = {0, 0, 0};
+  double floor_scale = 3.0;
   glm::dmat4 own = place(0.0), twin = place(1.2);
   bool shows_own = true, shows_twin = true, has_texture = false, has_more = false;
 
@@ -75,7 +81,7 @@ std::string write_room(const TempFolder& folder, const std::string& name, const 
                                {"material", material}}}}});
   };
   const int floor = mesh(positions, 0), lid = mesh(small, 1), shared = mesh(small, 0);
-  b.add("nodes", {{"name", "floor"}, {"mesh", floor}, {"scale", {3, 1, 3}}});
+  b.add("nodes", {{"name", "floor"}, {"mesh", floor}, {"scale", {room.floor_scale, 1, room.floor_scale}}});
   b.add("nodes", {{"name", "own"}, {"mesh", lid}, {"matrix", list(room.own)}});
   b.add("nodes", {{"name", "twin"}, {"mesh", shared}, {"matrix", list(room.twin)}});
   b.add("nodes", {{"name", "other twin"}, {"mesh", shared}, {"matrix", list(Room::place(-1.2))}});
@@ -128,6 +134,13 @@ protected:
     for (const char* name : {"R", "G", "B", "A"})
       for (const float value : find_channel(picture, name)->values) values.push_back(value);
     return values;
+  }
+  // Of a render that is stepped, at rest.
+  static std::vector<float> bits(Progressive& render) {
+    render.rest();
+    while (!render.is_done())
+      if (!render.step()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return picture_bits(render.picture());
   }
   std::vector<float> alone(const Room& room) {
     const SessionRequest wanted = request(room, SessionUse::one_picture);
@@ -466,6 +479,137 @@ TEST_F(SessionTest, RefusesWhatMakesNoSenseAndGoesOn) {
   EXPECT_EQ(bits(session, wanted.render), first);
   Session one(request({}, SessionUse::one_picture));
   EXPECT_THROW(one.set_visible(kOwn, false), Error);
+}
+
+TEST_F(SessionTest, ARenderThatIsSteppedFollowsEdits) {
+  Room shining;
+  shining.own_emission = {1.0, 0.5, 0.25};
+  SessionRequest wanted = request(shining);
+  wanted.render.settings = as_told(wanted.render.settings);
+  wanted.render.settings.kernels.mips = true; // as of a render that is stepped
+  Session session(wanted);
+  // What a session of its own gives.
+  const auto expect_as_alone = [&](Progressive& render, const char* what) {
+    SCOPED_TRACE(what);
+    SessionRequest alone = wanted;
+    alone.use = SessionUse::one_picture;
+    Session other(alone);
+    EXPECT_EQ(bits(render), bits(other, alone.render));
+  };
+  session.update();
+  int gone = 0;
+  Progressive& render = session.begin(wanted.render.settings, [&] { ++gone; });
+  EXPECT_TRUE(session.update().redone.empty());
+  expect_as_alone(render, "first");
+
+  wanted.scene.view.eye = glm::dvec3(-0.5, 1.5, 2.0);
+  session.set_view(wanted.scene.view);
+  EXPECT_TRUE(session.update().redone.empty());
+  EXPECT_TRUE(render.moving());
+  expect_as_alone(render, "camera");
+
+  wanted.render.settings.max_depth = 1;
+  wanted.render.settings.width = 24;
+  session.set_settings(wanted.render.settings);
+  EXPECT_TRUE(session.update().redone.empty());
+  expect_as_alone(render, "settings");
+  EXPECT_EQ(gone, 0);
+
+  wanted.render.settings.lights = gpu::kLightsTree;
+  session.set_settings(wanted.render.settings);
+  SessionUpdate update = session.update();
+  EXPECT_TRUE(update.kept_geometry);
+  EXPECT_TRUE(update.kept_surfaces);
+  EXPECT_EQ(update.built_triangles, 0u);
+  EXPECT_EQ(gone, 1);
+  expect_as_alone(render, "settings that pack other lights");
+
+  wanted.scene.environment = "sky";
+  session.set_environment({"sky"});
+  update = session.update();
+  EXPECT_FALSE(update.redone.empty());
+  EXPECT_TRUE(update.kept_geometry);
+  EXPECT_EQ(gone, 2);
+  expect_as_alone(render, "environment");
+  EXPECT_TRUE(session.update().redone.empty());
+
+  with_material(kOwnMaterial, [](Material& m) { m.emission = glm::vec3(0.0f); })(session);
+  shining.own_emission = {0, 0, 0};
+  wanted.scene.path = request(shining).scene.path;
+  session.update();
+  expect_as_alone(render, "material");
+}
+
+TEST_F(SessionTest, WhatAutoHasPackedIsNotPackedAgainByItsName) {
+  for (const bool has_many : {false, true}) {
+    SessionRequest wanted = request({});
+    if (has_many) wanted.scene.path = moving_box_under_lamps(folder_, 40);
+    ASSERT_EQ(wanted.render.settings.lights, gpu::kLightsAuto);
+    Session session(wanted);
+    session.update();
+    EXPECT_EQ(usual_lights(session.packed()), has_many ? gpu::kLightsTree : gpu::kLightsPower);
+    RenderRequest render = wanted.render;
+    render.settings.lights = usual_lights(session.packed());
+    EXPECT_TRUE(session.update(render).redone.empty());
+    render.settings.lights = has_many ? gpu::kLightsPower : gpu::kLightsTree;
+    EXPECT_FALSE(session.update(render).redone.empty());
+  }
+}
+
+TEST_F(SessionTest, AnEnvironmentThatIsTakenBackLeavesNoTrace) {
+  const std::function<void(SceneRequest&)> scenes[] = {[](SceneRequest&) {},
+                                                       [](SceneRequest& scene) {
+                                                         scene.environment.clear();
+                                                         scene.ground = true;
+                                                       }};
+  for (const auto& change : scenes) {
+    SessionRequest wanted = request({}, SessionUse::light);
+    change(wanted.scene);
+    Session session(wanted);
+    const std::vector<float> first = bits(session, wanted.render);
+    session.set_environment({"sky", 2.0});
+    Environment other;
+    other.radiance = glm::vec3(3.0f);
+    session.set_environment(other);
+    session.reset_environment();
+    EXPECT_EQ(session.scene_request().environment, wanted.scene.environment);
+    EXPECT_TRUE(session.update().redone.empty());
+    EXPECT_EQ(bits(session, wanted.render), first);
+    session.set_environment({"0.1,0.2,0.3"});
+    session.reset_environment();
+    session.reset_environment();
+    EXPECT_TRUE(session.update().redone.empty());
+    session.set_environment({"0.1,0.2,0.3"});
+    const std::vector<float> second = bits(session, wanted.render);
+    EXPECT_NE(second, first);
+    session.reset_environment(); // the one that update() has done stays
+    EXPECT_EQ(bits(session, wanted.render), second);
+  }
+}
+
+TEST_F(SessionTest, ACutThatIsKeptLetsCamerasMove) {
+  Room wide;
+  wide.floor_scale = 1e4;
+  for (const bool keeps : {true, false}) {
+    SessionRequest wanted = request(wide, SessionUse::light);
+    wanted.keeps_cut = keeps;
+    Session session(wanted);
+    session.update();
+    ASSERT_GT(session.packed().cut.triangles, 0u);
+    wanted.scene.view.eye = glm::dvec3(-100.0, 1.5, 2.0);
+    session.set_view(wanted.scene.view);
+    EXPECT_EQ(session.update().redone.empty(), keeps);
+  }
+}
+
+TEST_F(SessionTest, KeepsNoMoreThanItIsOpenedFor) {
+  const SessionRequest wanted = request({}, SessionUse::light);
+  Session session(wanted);
+  session.update();
+  EXPECT_THROW(session.set_moment(1.0), Error);
+  EXPECT_THROW(session.set_visible(kOwn, false), Error);
+  session.set_environment({"sky"});
+  EXPECT_TRUE(session.update().kept_geometry);
 }
 
 double resident_mib() {

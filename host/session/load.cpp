@@ -67,6 +67,15 @@ void stage_floor(const SceneRequest& request, const Framing& framing, Scene& sce
   if (!request.catcher.empty()) warn_of_unlit_catcher(scene);
 }
 
+// Leaves the scene dark but for its own lamps.
+Lighting take_lighting(LoadedScene& loaded) {
+  Lighting lighting{std::move(loaded.scene.environment), loaded.light, loaded.room_lamp};
+  if (loaded.room_lamp) loaded.scene.lights.pop_back();
+  loaded.scene.environment = {};
+  loaded.room_lamp = false;
+  return lighting;
+}
+
 } // namespace
 
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
@@ -112,12 +121,11 @@ bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
   return loaded.file->is_still();
 }
 
-void relight(const SceneRequest& request, LoadedScene& loaded) {
+Lighting relight(const SceneRequest& request, LoadedScene& loaded) {
   Scene& scene = loaded.scene;
   std::optional<Environment> environment;
   if (!request.environment.empty()) environment = requested_environment(request);
-  if (loaded.room_lamp) scene.lights.pop_back();
-  loaded.room_lamp = false;
+  Lighting before = take_lighting(loaded);
   if (environment) {
     scene.environment = *std::move(environment);
   } else {
@@ -126,6 +134,19 @@ void relight(const SceneRequest& request, LoadedScene& loaded) {
   }
   soften_lamps(request, scene);
   if (request.ground) relight_ground(scene);
+  return before;
+}
+
+Lighting relight(const SceneRequest& request, Lighting lighting, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  Lighting before = take_lighting(loaded);
+  scene.environment = std::move(lighting.environment);
+  loaded.light = std::move(lighting.light);
+  loaded.room_lamp = lighting.room_lamp;
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+  soften_lamps(request, scene);
+  if (request.ground) relight_ground(scene);
+  return before;
 }
 
 } // namespace wavepath

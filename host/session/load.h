@@ -29,8 +29,16 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
 // true if every vertex is where it was. Throws Error.
 bool pose_again(const SceneRequest& request, LoadedScene& loaded);
 
-// Replaces the lighting of a loaded scene after the environment of its request has changed, and nothing else. Throws
-// Error, and leaves the scene as it was then.
-void relight(const SceneRequest& request, LoadedScene& loaded);
+// What relight() replaces; `light` and `room_lamp` as in LoadedScene.
+struct Lighting {
+  Environment environment;
+  std::string light;
+  bool room_lamp = false;
+};
+// Replaces the lighting of a loaded scene after the environment of its request has changed, and nothing else; returns
+// that of before. Throws Error, and leaves the scene as it was then.
+Lighting relight(const SceneRequest& request, LoadedScene& loaded);
+// The same with this lighting.
+Lighting relight(const SceneRequest& request, Lighting lighting, LoadedScene& loaded);
 
 } // namespace wavepath

@@ -90,7 +90,7 @@ Packing packing_of(const RenderRequest& render, const Scene& scene, const Prepar
   Packing packing{.direct = direct_of(settings),
                   .quality = render.bvh ? *render.bvh : choose_quality(settings, plan(scene).triangles_stored, device),
                   .eye = render.origin.value_or(prepared.view.position),
-                  .near = {prepared.view.position},
+                  .near = {prepared.cut_near.value_or(prepared.view.position)},
                   .lights = settings.lights,
                   .mips = wants_mips(settings),
                   .sources = !prepared.motion.here.instances.empty(),
@@ -99,6 +99,10 @@ Packing packing_of(const RenderRequest& render, const Scene& scene, const Prepar
   for (const OtherDevice& other : prepared.others)
     packing.samplers = common_limits(packing.samplers, other.device->info());
   return packing;
+}
+
+std::uint32_t usual_lights(const PackedScene& scene) {
+  return scene.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
 }
 
 bool packs_alike(const Packing& a, const Packing& b) {

@@ -1,6 +1,7 @@
 // Preparation of a render: opens the devices, packs the scene, makes the plan.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ struct Prepared {
   std::vector<OtherDevice> others;
   std::unique_ptr<TevViewer> viewer; // that is shown the picture; null without one
   View view;
+  // Where huge triangles are cut finely; empty = where the view stands.
+  std::optional<glm::dvec3> cut_near;
   MotionPictures motion;
   std::vector<std::string> group_names; // see RenderPlan
   std::optional<MemoryCheck> memory;
@@ -64,6 +67,8 @@ bool pose_others(const SceneRequest& scene, const RenderPlan& settings, const Mo
 Packing pack_scene(const SceneRequest& scene, const RenderRequest& render, LoadedScene& loaded, Prepared& prepared,
                    PackMemory* memory = nullptr);
 
+// How lights are chosen where nothing is trained: `--lights auto` packs them as this does.
+std::uint32_t usual_lights(const PackedScene& scene);
 // How a scene is packed for these settings, as prepared.view sees it.
 Packing packing_of(const RenderRequest& render, const Scene& scene, const Prepared& prepared);
 // True if both give the same but for what `near` has cut.

@@ -12,6 +12,10 @@
 
 namespace wavepath {
 
+EnvironmentRequest environment_of(const SceneRequest& request) {
+  return {request.environment, request.environment_intensity, request.environment_degrees};
+}
+
 bool is_given(const RenderRequest& request, std::string_view setting) {
   return std::ranges::count(request.given, setting) > 0;
 }

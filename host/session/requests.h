@@ -35,6 +35,16 @@ struct SceneRequest {
   std::optional<double> staged_at;
 };
 
+// Where an environment comes from: as SceneRequest has it.
+struct EnvironmentRequest {
+  std::string source; // empty = chosen by rule
+  double intensity = 1.0;
+  double degrees = 0.0; // of rotation about +Y
+
+  bool operator==(const EnvironmentRequest&) const = default;
+};
+EnvironmentRequest environment_of(const SceneRequest& request);
+
 // The flags --checkpoint and --resume: a state of the render, kept in a file from which a later render can continue.
 struct StateRequest {
   std::string file;       // empty = none

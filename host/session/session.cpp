@@ -16,6 +16,7 @@
 #include "host/gpu/pipeline_cache.h"
 #include "host/plan/bvh_quality.h"
 #include "host/render/denoised.h"
+#include "host/render/progressive/progressive.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/pass_names.h"
@@ -24,7 +25,6 @@
 #include "host/scene/pack/cut_scene.h"
 #include "host/scene/pack/pack_memory.h"
 #include "host/scene/pack/plan.h"
-#include "host/scene/staging/ground.h"
 #include "host/session/finish.h"
 #include "host/session/load.h"
 #include "host/session/prepare.h"
@@ -143,6 +143,16 @@ struct Session::State {
   std::size_t file_nodes = 0;
   bool is_edited = false; // no command tells the edits
 
+  // The render that the caller steps; null before begin().
+  std::unique_ptr<Progressive> stepped;
+  std::function<void()> lets_go;
+  bool is_handed = false; // `stepped` has the scene as it is packed
+  bool other_settings = false, other_view = false;
+
+  // The lighting that update() has done last, where another one is noted.
+  std::optional<Lighting> lit;
+  EnvironmentRequest lit_by;
+
   // Edits that poses do not keep.
   std::map<std::size_t, Material> materials;
   std::vector<Material> added_materials;
@@ -158,22 +168,23 @@ struct Session::State {
   glm::uvec2 motion_size{0};                    // of the picture that it is of
 
   Scene& scene() { return loaded.scene; }
-  void require_edits(bool poses_only = false) const;
+  void require_edits(SessionUse least = SessionUse::edits) const;
   void add_all();
   void change_lights();
   bool pose_as(const SceneRequest& moment);
   bool is_pose_due(const RenderPlan& settings) const;
   void pose(const RenderPlan& settings);
-  bool is_packed(const Packing& wanted);
+  bool is_packed(Packing wanted);
   SessionUpdate bring(const RenderRequest& request);
   Packing pack(const RenderRequest& render);
   void upload(const RenderRequest& render);
+  void hand_over();
+  void note(Lighting before);
   template <class Change>
   void without_added(const Change& change);
 };
 
-void Session::State::require_edits(bool poses_only) const {
-  const SessionUse least = poses_only ? SessionUse::poses : SessionUse::edits;
+void Session::State::require_edits(SessionUse least) const {
   if (request.use < least)
     throw Error(loaded.scene.path, "was opened without room for edits", "open a session with SessionUse::edits");
 }
@@ -235,7 +246,7 @@ void Session::State::pose(const RenderPlan& settings) {
   motion_size = {settings.width, settings.height};
 }
 
-// The ground's material is the last one for who lights the scene anew.
+// The ground's material is the last one, and lights are the file's, for who lights the scene anew.
 template <class Change>
 void Session::State::without_added(const Change& change) {
   std::vector<Material>& all = scene().materials;
@@ -243,6 +254,7 @@ void Session::State::without_added(const Change& change) {
   const auto put_back = [&] {
     all.insert(all.end(), added_materials.begin(), added_materials.end());
     for (const auto& [index, material] : materials) all[index] = material;
+    change_lights();
   };
   try {
     change();
@@ -254,7 +266,10 @@ void Session::State::without_added(const Change& change) {
 }
 
 // Whether the scene as it stands is packed so.
-bool Session::State::is_packed(const Packing& wanted) {
+bool Session::State::is_packed(Packing wanted) {
+  // `auto` has packed it likewise.
+  if (packed_as && packed_as->lights == gpu::kLightsAuto && wanted.lights == usual_lights(prepared.packed))
+    wanted.lights = gpu::kLightsAuto;
   if (!packed_as || is_posed || other_materials || other_images || other_environment ||
       !packs_alike(wanted, *packed_as))
     return false;
@@ -274,9 +289,10 @@ Packing Session::State::pack(const RenderRequest& render) {
     scene().instances = {};
     scene().environment = {};
   } else {
-    memory.other_materials = other_materials;
+    memory.other_materials = other_materials || (other_environment && request.scene.ground);
     memory.other_images = other_images;
     memory.other_environment = other_environment;
+    memory.keeps_trees = request.use >= SessionUse::poses;
     memory.packed = std::move(prepared.packed);
     packing = pack_scene(request.scene, render, loaded, prepared, &memory);
   }
@@ -301,6 +317,34 @@ void Session::State::upload(const RenderRequest& render) {
   prepared.on_device.upload_seconds = seconds_since(start);
 }
 
+// Hands the render that is stepped what it lacks.
+void Session::State::hand_over() {
+  if (!stepped) return;
+  const RenderPlan& settings = request.render.settings;
+  const View view = resolve_view(loaded.scene, loaded.framing, request.scene.view, settings.width, settings.height);
+  try {
+    if (!is_handed)
+      stepped->set_scene(prepared.packed, view, settings, on_device);
+    else if (other_settings)
+      stepped->set_settings(settings, view);
+    else if (other_view)
+      stepped->move(view);
+  } catch (...) { // between two settings it may lack buffers
+    stepped->release();
+    is_handed = false;
+    throw;
+  }
+  is_handed = true;
+  other_settings = other_view = false;
+}
+
+void Session::State::note(Lighting before) {
+  other_environment = true;
+  if (lit) return;
+  lit = std::move(before);
+  lit_by = environment_of(request.scene);
+}
+
 // Poses, packs and uploads what is not as it should be.
 SessionUpdate Session::State::bring(const RenderRequest& given) {
   SessionUpdate update;
@@ -321,8 +365,14 @@ SessionUpdate Session::State::bring(const RenderRequest& given) {
       told("pose");
     }
     prepared.view = resolve_view(loaded.scene, loaded.framing, request.scene.view, settings.width, settings.height);
+    if (request.keeps_cut && !prepared.cut_near) prepared.cut_near = prepared.view.position;
     update.kept_surfaces = update.kept_geometry = true;
     if (!packed_as || !is_packed(packing_of(render, loaded.scene, prepared))) {
+      if (stepped) {
+        if (lets_go) lets_go();
+        stepped->release();
+        is_handed = false;
+      }
       memory.is_still = packed_as.has_value() && !is_posed_else;
       packed_as.reset();
       const Packing packing = pack(render);
@@ -345,6 +395,8 @@ SessionUpdate Session::State::bring(const RenderRequest& given) {
     packed_as.reset();
     throw;
   }
+  hand_over();
+  lit.reset();
   update.milliseconds = 1e3 * seconds_since(start);
   return update;
 }
@@ -357,8 +409,7 @@ Session::Session(const SessionRequest& request) : state_(std::make_unique<State>
   s.request.scene.load.keeps_hidden = request.use == SessionUse::edits;
   const Clock::time_point start = Clock::now();
   s.other_motion = request.motion.next.given() || request.motion.previous.given();
-  const bool stays_open =
-      request.use != SessionUse::one_picture || request.motion.next.at || request.motion.previous.at;
+  const bool stays_open = request.use >= SessionUse::poses || request.motion.next.at || request.motion.previous.at;
   s.prepared = open(s.request.scene, request.render, s.loaded, stays_open, request.device, request.window_extensions);
   s.prepared.load_seconds = seconds_since(start);
   s.file_nodes = s.scene().node_names.size();
@@ -390,6 +441,7 @@ void Session::set_origin(const std::optional<glm::dvec3>& origin) {
 void Session::set_view(const ViewRequest& view) {
   check_camera(view, state_->request.render.settings);
   state_->request.scene.view = view;
+  state_->other_view = true;
   const MotionRequest& motion = state_->request.motion;
   state_->other_motion |= motion.next.given() || motion.previous.given();
 }
@@ -397,7 +449,7 @@ void Session::set_view(const ViewRequest& view) {
 void Session::set_moment(double at, std::optional<std::pair<double, double>> shutter) {
   LoadOptions& load = state_->request.scene.load;
   if (load.at == at && load.shutter == shutter) return;
-  state_->require_edits(true);
+  state_->require_edits(SessionUse::poses);
   load.at = at;
   load.shutter = shutter;
   state_->poses = true;
@@ -406,7 +458,7 @@ void Session::set_moment(double at, std::optional<std::pair<double, double>> shu
 void Session::set_motion(const MotionRequest& motion) {
   State& s = *state_;
   const RenderPlan& settings = s.request.render.settings;
-  if (motion.next.at || motion.previous.at) s.require_edits(true);
+  if (motion.next.at || motion.previous.at) s.require_edits(SessionUse::poses);
   for (const OtherMoment* other : {&motion.next, &motion.previous})
     if (other->camera)
       resolve_view(s.loaded.scene, s.loaded.framing, other_view(s.request.scene.view, *other), settings.width,
@@ -417,21 +469,18 @@ void Session::set_motion(const MotionRequest& motion) {
 
 void Session::set_environment(const EnvironmentRequest& environment) {
   State& s = *state_;
-  s.require_edits(true);
+  s.require_edits(SessionUse::light);
   SceneRequest wanted = s.request.scene;
   wanted.environment = environment.source;
   wanted.environment_intensity = environment.intensity;
   wanted.environment_degrees = environment.degrees;
-  s.without_added([&] { relight(wanted, s.loaded); });
-  s.change_lights();
+  s.without_added([&] { s.note(relight(wanted, s.loaded)); });
   s.request.scene = wanted;
-  s.other_environment = true;
-  s.other_materials |= wanted.ground;
 }
 
 void Session::set_environment(Environment environment) {
   State& s = *state_;
-  s.require_edits(true);
+  s.require_edits(SessionUse::light);
   const std::size_t texels = std::size_t{environment.width} * environment.height;
   if (environment.map.size() != texels)
     throw Error("environment", fmt::format("does not hold {}x{} texels", environment.width, environment.height),
@@ -442,13 +491,20 @@ void Session::set_environment(Environment environment) {
   };
   if (!sound(environment.radiance) || !std::ranges::all_of(environment.map, sound))
     throw Error("environment", "has a radiance that is negative or not finite", "give finite values of zero or more");
-  if (s.loaded.room_lamp) s.scene().lights.pop_back();
-  s.loaded.room_lamp = false;
-  s.loaded.light.clear();
-  s.scene().environment = std::move(environment);
-  if (s.request.scene.ground) s.without_added([&] { relight_ground(s.scene()); });
-  s.other_environment = s.is_edited = true;
-  s.other_materials |= s.request.scene.ground;
+  s.without_added([&] { s.note(relight(s.request.scene, {std::move(environment)}, s.loaded)); });
+  s.is_edited = true;
+}
+
+void Session::reset_environment() {
+  State& s = *state_;
+  if (!s.lit) return;
+  SceneRequest& asked = s.request.scene;
+  s.without_added([&] { relight(asked, *std::move(s.lit), s.loaded); });
+  asked.environment = s.lit_by.source;
+  asked.environment_intensity = s.lit_by.intensity;
+  asked.environment_degrees = s.lit_by.degrees;
+  s.lit.reset();
+  s.other_environment = !s.other_environment; // not packed yet, or packed in vain
 }
 
 void Session::set_material(std::size_t index, const Material& value) {
@@ -593,6 +649,28 @@ void Session::remove_mesh(std::size_t node) {
   if (s.meshes.erase(node) == 0)
     throw Error(fmt::format("node {}", node), "was not added", "name one that add_mesh() gave; hide those of the file");
   s.poses = s.moves = true;
+}
+
+Progressive& Session::begin(const RenderPlan& settings, std::function<void()> lets_go) {
+  State& s = *state_;
+  s.stepped.reset();
+  set_settings(settings);
+  s.request.render.settings.kernels.mips = true; // for frames in motion
+  update();
+  s.lets_go = std::move(lets_go);
+  s.stepped = std::make_unique<Progressive>(*s.prepared.device, s.prepared.packed, s.prepared.view,
+                                            s.request.render.settings, *s.prepared.kernels, s.on_device);
+  s.is_handed = true;
+  s.other_settings = s.other_view = false;
+  return *s.stepped;
+}
+
+void Session::set_settings(const RenderPlan& settings) {
+  State& s = *state_;
+  check_camera(s.request.scene.view, settings);
+  s.request.render.settings = settings;
+  s.request.render.settings.kernels.mips |= s.stepped != nullptr;
+  s.other_settings = true;
 }
 
 void Session::pose() { state_->pose(state_->request.render.settings); }

@@ -37,9 +37,12 @@
 
 namespace wavepath {
 
-// What a session keeps for edits to come. one_picture: nothing; edits of the scene are refused. poses: for set_moment()
-// and all that changes nothing else of the file's nodes and materials. edits: all.
-enum class SessionUse { one_picture, poses, edits };
+class Progressive; // host/render/progressive/progressive.h
+
+// What a session keeps for edits to come. one_picture: nothing; edits of the scene are refused. light: for another
+// environment, and for settings that pack the scene otherwise. poses: also for set_moment() and all that changes
+// nothing else of the file's nodes and materials. edits: all.
+enum class SessionUse { one_picture, light, poses, edits };
 
 struct SessionRequest {
   SceneRequest scene;
@@ -50,14 +53,10 @@ struct SessionRequest {
   MotionRequest motion{}; // what the channels of motion tell it to
   SessionDevice device{};
   SessionUse use = SessionUse::edits;
+  // Huge triangles are cut finely for the first camera alone (host/scene/pack/cut.h), so that no other one has
+  // anything packed; else for that of each picture.
+  bool keeps_cut = false;
   std::span<const char* const> window_extensions{};
-};
-
-// Where an environment comes from: as SceneRequest has it.
-struct EnvironmentRequest {
-  std::string source; // empty = chosen by rule
-  double intensity = 1.0;
-  double degrees = 0.0; // of rotation about +Y
 };
 
 // A mesh that is no part of the file. Its primitives name materials of Session::scene().
@@ -120,6 +119,14 @@ public:
   View view(std::uint32_t width, std::uint32_t height) const;
   const SceneRequest& scene_request() const; // with the edits that it can tell
 
+  // A render that the caller steps, of a picture that is shown while it is rendered. Does the edits first. From here on
+  // update() packs for its settings and hands it what has changed: it begins anew then, coarse after a move of the
+  // camera. `lets_go`: called before its scene goes from the device; what renders beside it has to go then. A second
+  // call ends the first one's. Throws Error.
+  Progressive& begin(const RenderPlan& settings, std::function<void()> lets_go = {});
+  // The settings that update() is for; they must be as resolve_settings() leaves them.
+  void set_settings(const RenderPlan& settings);
+
   // Edits are noted; update() or render() does them. Each throws Error at once if its arguments make no sense, and
   // then changes nothing.
   void set_view(const ViewRequest& view);
@@ -132,6 +139,7 @@ public:
   void set_motion(const MotionRequest& motion);
   void set_environment(const EnvironmentRequest& environment); // reads the file at once
   void set_environment(Environment environment);
+  void reset_environment(); // as update() has done it last
   void set_material(std::size_t material, const Material& value);
   std::size_t add_material(const Material& value);
   // Colour, cones, range and extent of the visible light of this node, or with kNoIndex of the one that no node carries
@@ -151,8 +159,9 @@ public:
   std::size_t add_mesh(AddedMesh mesh);
   void remove_mesh(std::size_t node); // that add_mesh() returned; its number is not used again
 
-  // Does the edits, by default for the settings of the request. Throws Error if the scene cannot be packed or does not
-  // fit; the edits stay noted then, and the next update packs everything.
+  // Does the edits, by default for the settings of the request or those set since. Throws Error if the scene cannot be
+  // packed or does not fit; the edits stay noted then, and the next update packs everything. The render of begin() is
+  // not to be stepped before one that succeeds.
   SessionUpdate update();
   // Its first step alone, after which scene() is as the edits of nodes have it.
   void pose();

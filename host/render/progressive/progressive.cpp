@@ -106,10 +106,12 @@ void Progressive::set_settings(const RenderPlan& settings, const View& view) {
   begin_anew(choose_coarse());
 }
 
-void Progressive::set_scene(const PackedScene& scene, const View& view) {
+void Progressive::set_scene(const PackedScene& scene, const View& view, const RenderPlan& settings,
+                            std::shared_ptr<const DeviceScene> uploaded) {
   scene_ = &scene;
+  settings_ = open_ended(settings);
   view_ = view;
-  make_loop(nullptr);
+  make_loop(std::move(uploaded));
   begin_anew(choose_coarse());
 }
 

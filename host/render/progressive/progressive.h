@@ -44,7 +44,7 @@ public:
   // last one finishes it. Returns false if there was nothing to do: kernels are not ready, or all samples are done.
   bool step();
 
-  // The next five start over. move(): coarse, so that there is a picture about every 100 ms, until rest(), which
+  // The next six start over. move(): coarse, so that there is a picture about every 100 ms, until rest(), which
   // continues in full. A picture begun by a move is completed first, even if further moves follow at once; view() tells
   // whose it is.
   void move(const View& view);
@@ -55,7 +55,12 @@ public:
   // kDirectBsdf.
   void set_settings(const RenderPlan& settings, const View& view);
   // Changes to another scene, or to the same scene packed anew, and uploads it.
-  void set_scene(const PackedScene& scene, const View& view);
+  void set_scene(const PackedScene& scene, const View& view) { set_scene(scene, view, settings_, nullptr); }
+  // The same with other settings; `uploaded` holds the scene unless it is null.
+  void set_scene(const PackedScene& scene, const View& view, const RenderPlan& settings,
+                 std::shared_ptr<const DeviceScene> uploaded);
+  // Lets go of the scene and of all that it has on the device; until the next set_scene() it can do nothing else.
+  void release() { loop_.reset(); }
 
   const RenderPlan& settings() const { return settings_; }
   const View& view() const { return view_; }

@@ -68,7 +68,8 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
   }
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
   return append_object(scene, parts, cut, *layout.alpha, layout.with_vertices, layout.with_sources, times,
-                       layout.quality, layout.memory ? &layout.memory->trees : nullptr, layout.objects++, packed);
+                       layout.quality, layout.memory && layout.memory->keeps_trees ? &layout.memory->trees : nullptr,
+                       layout.objects++, packed);
 }
 
 // Of meshes that are shown once.

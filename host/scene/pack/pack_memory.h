@@ -40,6 +40,7 @@ struct PackMemory {
   bool is_still = false; // every vertex of the scene is where it was then
   // What of the scene is another since then.
   bool other_materials = false, other_images = false, other_environment = false;
+  bool keeps_trees = true; // for other poses
 
   // Told by pack_again(), beside KeptTrees::built.
   KeptParts kept;
