@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,25 +18,19 @@
 #include "host/gpu/pipeline_cache.h"
 #include "host/picture/files/picture_io.h"
 #include "host/plan/bvh_quality.h"
-#include "host/plan/memory.h"
 #include "host/plan/plan.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/denoising.h"
-#include "host/render/settings/mips.h"
 #include "host/render/settings/pass_names.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/shadow_settings.h"
-#include "host/render/settings/textures.h"
 #include "host/render/workspace/light_training.h"
-#include "host/scene/pack/features.h"
-#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/plan.h"
-#include "host/scene/staging/environment.h"
 #include "host/session/judge.h"
 #include "host/session/load.h"
 #include "host/session/open_scene.h"
 #include "host/session/resolve.h"
+#include "host/session/session.h"
 #include "host/view/comparison_choice.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/window.h"
@@ -108,88 +104,68 @@ void check(ViewCommandRequest& request) {
 
 #ifdef WAVEPATH_VIEWER
 
-// The scene in the window, with the device, the kernels and the render that the window shows.
+// The session in the window, and the render that it shows.
 class Viewing {
 public:
   explicit Viewing(const ViewCommandRequest& request)
       : request_(request),
-        open_(open_scene(request.scene, request.render, window_extensions())),
-        scene_(open_.loaded.scene) {
-    const RenderPlan& settings = request.render.settings;
-    if (!request.screenshot.empty()) refuse_overwriting({&request.screenshot, 1}, scene_.files);
-    print_light(open_.loaded);
-    const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
-    RenderPlan expected = settings;
-    expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
-    expected.kernels.mips = true; // for frames in motion
-    const DeviceInfo& device = open_.device->info();
-    packing_ = {.direct = direct_of(settings),
-                .quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
-                .eye = request.render.origin.value_or(view.position),
-                .near = {view.position},
-                .lights = settings.lights,
-                .mips = wants_mips(expected),
-                .light_groups = settings.light_groups,
-                .samplers = sampler_limits(settings, device)};
-    expected.group_names = find_group_names(scene_, settings.light_groups);
-    RenderPlan planned = settings;
-    planned.group_names = expected.group_names;
-    MemoryCheck(request.scene.path, plan(scene_, packing_), expected_features(scene_, packing_.direct), device)
-        .require(planned);
-    packed_ = pack(scene_, packing_);
-    packing_.eye = packed_.origin; // whatever is packed later stands where this does
-    print_warnings(scene_.warnings);
-    environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
+        extensions_(window_extensions()),
+        session_({.scene = request.scene,
+                  .render = request.render,
+                  .use = SessionUse::light,
+                  .keeps_cut = true, // a move of the camera must not wait
+                  .window_extensions = extensions_}) {
+    const Scene& scene = session_.scene();
+    if (!request.screenshot.empty()) refuse_overwriting({&request.screenshot, 1}, scene.files);
+    print_light(session_.loaded());
+    RenderRequest first = request.render;
+    first.settings.kernels.mips = true; // for frames in motion
+    RenderPlan expected = first.settings;
+    expected.last_sample = std::min(expected.last_sample, kExpectedSamples);
+    if (!first.bvh) first.bvh = choose_quality(expected, plan(scene).triangles_stored, session_.device_info());
+    session_.update(first);
+    print_warnings(scene.warnings);
+    const PackedScene& packed = session_.packed();
     // A copied command renders what the window shows: nothing is left for pilots to decide.
-    RenderPlan shown = as_told(planned);
+    RenderPlan shown = as_told(request.render.settings);
+    shown.group_names = session_.prepared().group_names;
     // A window begins anew whenever the camera moves: no training unless asked for.
-    if (shown.lights == gpu::kLightsAuto)
-      shown.lights = packed_.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
-    packing_.lights = shown.lights; // which packs the same
-    shown.moving = packed_.moves();
-    progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
+    if (shown.lights == gpu::kLightsAuto) shown.lights = usual_lights(packed);
+    shown.moving = packed.moves();
+    scene_.emplace(session_, shown);
   }
 
   int run() {
+    const LoadedScene& loaded = session_.loaded();
     WindowRequest window;
     window.title = std::filesystem::path(request_.scene.path).filename().string() + " - wavepath";
-    window.scene = &scene_;
-    window.packed = &packed_;
-    window.framing = open_.loaded.framing.bounds.empty() ? find_framing(scene_, false) : open_.loaded.framing;
-    window.view = request_.scene.view;
+    window.framing = loaded.framing.bounds.empty() ? find_framing(loaded.scene, false) : loaded.framing;
     window.more_flags = [this] { return flags(); };
     window.display = {.shown = request_.shown,
                       .exposure = request_.tone.exposure.value_or(0.0),
                       .auto_exposure = !request_.tone.exposure,
                       .tonemap = request_.tone.tonemap};
-    window.environment = environment_;
     window.comparison = request_.comparison;
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [this](const RenderPlan& settings) { return list_bias(settings, packed_, so_far()); };
+    window.notes = [this](const RenderPlan& settings) { return list_bias(settings, session_.packed(), so_far()); };
     window.save = [this](const std::string& path, const Picture& picture, const DisplayOptions& display) {
       save(path, picture, display);
     };
-    window.pack_for = [this](const RenderPlan& settings) { pack_for(settings); };
-    window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
-    const int code = run_window(*open_.device, *progressive_, window);
-    open_.device->pipeline_cache().save();
+    const int code = run_window(*scene_, window);
+    session_.device().device->pipeline_cache().save();
     return code;
   }
 
 private:
   // What `wavepath render` needs besides camera and settings.
   std::string flags() const {
-    SceneRequest shown = request_.scene;
-    shown.environment = environment_.source;
-    shown.environment_intensity = environment_.intensity;
-    shown.environment_degrees = environment_.rotation_degrees;
-    std::string flags = flags_of(shown);
-    flags += fmt::format(" --origin {},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z);
-    const RenderPlan& settings = progressive_->settings();
-    if (trains_light_selection(packed_, settings))
-      flags += fmt::format(" --training-paths {}", settings.training.paths);
+    const PackedScene& packed = session_.packed();
+    std::string flags = flags_of(session_.scene_request());
+    flags += fmt::format(" --origin {},{},{}", packed.origin.x, packed.origin.y, packed.origin.z);
+    const RenderPlan& settings = render().settings();
+    if (trains_light_selection(packed, settings)) flags += fmt::format(" --training-paths {}", settings.training.paths);
     if (!request_.render.device.empty()) flags += fmt::format(" --device {}", shell_quoted(request_.render.device));
     static const std::string kWritten[] = {"picture.exr"}; // the usual output of render
     return flags + layout_flags(request_.tone, kWritten);
@@ -198,14 +174,14 @@ private:
   // The parts of the result that list_bias() reads.
   RenderResult so_far() const {
     RenderResult result;
-    result.nonfinite = progressive_->nonfinite();
-    result.ambient = progressive_->status().ambient;
+    result.nonfinite = render().nonfinite();
+    result.ambient = render().status().ambient;
     return result;
   }
 
   void save(const std::string& path, const Picture& picture, const DisplayOptions& display) {
-    const RenderPlan& settings = progressive_->settings();
-    const ProgressiveStatus status = progressive_->status();
+    const RenderPlan& settings = render().settings();
+    const ProgressiveStatus status = render().status();
     PictureInfo info;
     info.spp = status.spp;
     info.seconds = status.seconds;
@@ -215,8 +191,8 @@ private:
     info.scene = request_.scene.path;
     info.command = request_.command_line;
     info.filter = kFilterNames[settings.filter];
-    info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far()), "; "));
-    info.view = progressive_->view();
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, session_.packed(), so_far()), "; "));
+    info.view = render().view();
     const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
     WriteOptions options = request_.tone;
     options.exposure = exposure;
@@ -224,60 +200,12 @@ private:
     write_picture(path, picture, info, options);
   }
 
-  void set_environment(const EnvironmentChoice& choice) {
-    SceneRequest wanted = request_.scene;
-    wanted.environment = choice.source;
-    wanted.environment_intensity = choice.intensity;
-    wanted.environment_degrees = choice.rotation_degrees;
-    const Environment before = scene_.environment;
-    const std::vector<Material> materials = scene_.materials; // of which that of the ground follows the environment
-    const std::vector<PunctualLight> lights = scene_.lights;
-    const bool room_lamp = open_.loaded.room_lamp;
-    try {
-      relight(wanted, open_.loaded);
-      if (find_group_names(scene_, packing_.light_groups) != progressive_->settings().group_names)
-        throw Error("--light-groups", "has other groups under this environment", "begin another window for it");
-      show(pack(scene_, packing_));
-    } catch (...) {
-      scene_.environment = before;
-      scene_.materials = materials;
-      scene_.lights = lights;
-      open_.loaded.room_lamp = room_lamp;
-      throw;
-    }
-    environment_ = choice;
-  }
-
-  // Lights as `render` packs them for these settings, so that the copied line renders the same bits.
-  void pack_for(const RenderPlan& settings) {
-    Packing wanted = packing_;
-    wanted.direct = direct_of(settings);
-    wanted.lights = settings.lights;
-    if (wanted.direct == packing_.direct && wanted.lights == packing_.lights) return;
-    show(pack(scene_, wanted));
-    packing_ = wanted;
-  }
-
-  // Hands the render another scene. One that does not fit on the device leaves the old one, which does.
-  void show(PackedScene scene) {
-    const View view = progressive_->view();
-    std::swap(packed_, scene);
-    try {
-      progressive_->set_scene(packed_, view);
-    } catch (...) {
-      std::swap(packed_, scene);
-      progressive_->set_scene(packed_, view);
-      throw;
-    }
-  }
+  const Progressive& render() const { return scene_->render(); }
 
   const ViewCommandRequest& request_;
-  OpenScene open_;
-  Scene& scene_; // of it
-  Packing packing_;
-  PackedScene packed_;
-  EnvironmentChoice environment_;
-  std::unique_ptr<Progressive> progressive_;
+  const std::vector<const char*> extensions_;
+  Session session_;
+  std::optional<ViewedScene> scene_;
 };
 
 int run_view(ViewCommandRequest& request) {

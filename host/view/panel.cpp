@@ -188,7 +188,7 @@ void show_transport(PanelState& state, PanelWishes& wishes) {
 }
 
 void show_environment(PanelState& state, PanelWishes& wishes) {
-  EnvironmentChoice& choice = state.environment;
+  EnvironmentRequest& choice = state.environment;
   label("file or R,G,B");
   ImGui::InputText("##environment", &choice.source);
   wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
@@ -198,9 +198,9 @@ void show_environment(PanelState& state, PanelWishes& wishes) {
     choice.intensity = intensity;
   wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
   label("rotation, deg");
-  auto rotation = static_cast<float>(choice.rotation_degrees);
+  auto rotation = static_cast<float>(choice.degrees);
   if (ImGui::DragFloat("##rotation", &rotation, 1.0f, -360.0f, 360.0f, "%.1f", ImGuiSliderFlags_AlwaysClamp))
-    choice.rotation_degrees = rotation;
+    choice.degrees = rotation;
   wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
 }
 
@@ -237,7 +237,7 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     if (!state.settings.group_names.empty() && section("light groups")) show_light_groups(state);
     if (supports(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
     if (section("light transport")) show_transport(state, wishes);
-    if (facts.sets_environment && section("environment", false)) show_environment(state, wishes);
+    if (section("environment", false)) show_environment(state, wishes);
     if (section("camera")) show_cameras(facts, wishes);
     if (!facts.notes.empty() && section("approximated", false))
       for (const std::string& note : facts.notes) ImGui::TextWrapped("%s", note.c_str());

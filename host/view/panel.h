@@ -8,8 +8,8 @@
 #include "host/picture/metrics/shadow_score.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
+#include "host/session/requests.h"
 #include "host/view/comparison_choice.h"
-#include "host/view/environment_choice.h"
 
 namespace wavepath {
 
@@ -18,7 +18,7 @@ struct PanelState {
   bool visible = true;
   RenderPlan settings;
   DisplayOptions display;
-  EnvironmentChoice environment;
+  EnvironmentRequest environment;
   ComparisonChoice comparison;
   double target_error = 0.0; // relative RMS; 0 = none
   std::string message;       // result of the last action, or why it failed
@@ -31,7 +31,6 @@ struct PanelFacts {
   double seconds_to_target = 0.0;
   std::vector<std::string> cameras; // names
   std::vector<std::string> notes;   // approximations in the picture
-  bool sets_environment = false;
   std::optional<ShadowScore> score; // score of the shadows shown against the other ones
 };
 

@@ -54,7 +54,7 @@ std::string free_name(const std::string& scene, const char* extension) {
 
 class Viewer {
 public:
-  Viewer(Device& device, Progressive& progressive, const WindowRequest& request);
+  Viewer(ViewedScene& scene, const WindowRequest& request);
   ~Viewer() { presenter_.wait(); } // before anything goes that the device may be showing
   int run();
 
@@ -77,12 +77,14 @@ private:
   void mix_groups(const std::string& path, Picture& picture) const;
   bool compares() const;
   // The map of errors is of both, and shown whole.
-  bool splits() const { return comparison_ && panel_.comparison.split && panel_.display.shown != Shown::shadow_error; }
+  bool splits() const {
+    return scene_.comparison() && panel_.comparison.split && panel_.display.shown != Shown::shadow_error;
+  }
   void make_comparison();
   void fit_comparison();
   void judge_shadows();
   void draw_picture();
-  bool done() const { return status_.done && (!comparison_ || comparison_->is_done()); }
+  bool done() const { return status_.done && (!scene_.comparison() || scene_.comparison()->is_done()); }
   void copy();
   void choose_exposure();
   void adapt_exposure(double seconds);
@@ -95,17 +97,16 @@ private:
   bool has_work() const { return !done() && (scripted() || (seen() && !target_reached())); }
 
   const WindowRequest& request_;
-  Progressive& progressive_;
+  ViewedScene& scene_;
+  Progressive& render_; // of it
   CameraControl camera_;
   GlfwWindow window_;
   Presenter presenter_;
   Overlay overlay_;
   Display display_;
-  std::string device_;
   PanelState panel_;
   ProgressiveStatus status_, shown_;
-  EnvironmentChoice environment_;                // in use
-  std::unique_ptr<ShadowComparison> comparison_; // while it is asked for
+  EnvironmentRequest environment_; // in use
   ShadowVerdict verdict_;
   std::uint32_t judged_spp_ = 0;    // samples a pixel that it was found at; 0 = not since anything changed
   std::uint64_t drawn_samples_ = 0; // of the comparison
@@ -122,20 +123,20 @@ private:
   double resized_ = -1.0; // when the window's size changed; below zero: it has not
 };
 
-Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& request)
+Viewer::Viewer(ViewedScene& scene, const WindowRequest& request)
     : request_(request),
-      progressive_(progressive),
-      camera_(*request.scene, request.framing, request.view),
-      window_(request.title, progressive.settings().width, progressive.settings().height),
-      presenter_(device, window_),
-      overlay_(device, window_, presenter_.swapchain(), Presenter::kPresentationsInFlight),
-      display_(device),
-      device_(device.info().name),
-      environment_(request.environment) {
-  panel_.settings = progressive.settings();
+      scene_(scene),
+      render_(scene.render()),
+      camera_(scene.session().scene(), request.framing, scene.session().scene_request().view),
+      window_(request.title, render_.settings().width, render_.settings().height),
+      presenter_(*scene.session().device().device, window_),
+      overlay_(*scene.session().device().device, window_, presenter_.swapchain(), Presenter::kPresentationsInFlight),
+      display_(*scene.session().device().device),
+      environment_(environment_of(scene.session().scene_request())) {
+  panel_.settings = render_.settings();
   panel_.display = request.display;
   panel_.display.bgra = presenter_.swapchain().bgra();
-  panel_.environment = request.environment;
+  panel_.environment = environment_;
   panel_.target_error = request.target_error;
   panel_.comparison = request.comparison;
   camera_.resize(panel_.settings.width, panel_.settings.height);
@@ -145,12 +146,11 @@ Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& re
 int Viewer::run() {
   while (!window_.should_close()) {
     wait_for_events();
-    status_ = progressive_.status();
+    status_ = render_.status();
     choose_exposure();
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
-    worked_ = (has_work() || done()) && // once done, it takes in the last estimate of the error
-              (comparison_ ? comparison_->step() : progressive_.step());
-    status_ = progressive_.status();
+    worked_ = (has_work() || done()) && scene_.step(); // once done, it takes in the last estimate of the error
+    status_ = render_.status();
     save_what_waits();
     if (scripted() && done() && (drawn_done_ || !seen())) {
       if (!request_.screenshot.empty()) write(request_.screenshot);
@@ -162,7 +162,7 @@ int Viewer::run() {
 
 // Sleeps unless there is something to render or to draw.
 void Viewer::wait_for_events() {
-  const bool active = progressive_.moving() || resized_ >= 0.0 || redraws_ > 0;
+  const bool active = render_.moving() || resized_ >= 0.0 || redraws_ > 0;
   const bool due = glfwGetTime() - last_draw_ >= kPicturePause;
   if (worked_ || (active && due && seen()))
     glfwPollEvents();
@@ -174,27 +174,24 @@ bool Viewer::must_draw(double now) {
   if (window_.take_events()) redraws_ = kSettling;
   if (!seen()) return false;
   if (now - last_draw_ < kPicturePause) return false;
-  const bool news = !same(status_, shown_) || (comparison_ && comparison_->samples() != drawn_samples_);
-  return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
-         (news && (done() || now - last_draw_ >= kRenderPause));
+  const ShadowComparison* comparison = scene_.comparison();
+  const bool news = !same(status_, shown_) || (comparison && comparison->samples() != drawn_samples_);
+  return redraws_ > 0 || render_.moving() || resized_ >= 0.0 || (news && (done() || now - last_draw_ >= kRenderPause));
 }
 
 void Viewer::draw(double now) {
   overlay_.begin();
   take_input(now - last_draw_);
   fit_size();
-  if (progressive_.moving() && !window_.dragging() && now - last_move_ >= kRest) {
-    progressive_.rest();
-    if (comparison_) comparison_->rest();
-  }
-  status_ = progressive_.status();
+  if (render_.moving() && !window_.dragging() && now - last_move_ >= kRest) scene_.rest();
+  status_ = render_.status();
   adapt_exposure(now - last_draw_);
   judge_shadows();
   const PanelWishes wishes = show_panel(panel_, facts());
   if (splits()) {
     const Setting& shadows = setting_named("shadows");
     draw_divider(panel_.comparison.at, text_of(shadows, panel_.settings),
-                 std::string(choices_of(shadows)[comparison_->against()]));
+                 std::string(choices_of(shadows)[scene_.comparison()->against()]));
   }
   overlay_.end();
   act(wishes);
@@ -207,7 +204,7 @@ void Viewer::draw(double now) {
     shown_ = status_;
   }
   drawn_done_ = done();
-  drawn_samples_ = comparison_ ? comparison_->samples() : 0;
+  drawn_samples_ = scene_.comparison() ? scene_.comparison()->samples() : 0;
   last_draw_ = now;
   show_title();
 }
@@ -272,10 +269,9 @@ void Viewer::press(const KeyPress& key) {
 }
 
 void Viewer::focus() {
-  const auto pointer = window_.pointer();
-  if (!request_.packed) return;
   const bool passes_backs = panel_.settings.cull != gpu::kCullNone;
-  const auto point = pick(*request_.packed, camera_.view(), pointer, glm::dvec2(window_.size()), passes_backs);
+  const auto point =
+      pick(scene_.session().packed(), camera_.view(), window_.pointer(), glm::dvec2(window_.size()), passes_backs);
   if (!point || !camera_.focus(*point)) return;
   if (panel_.settings.lens.focus) { // else the lens follows what the middle of the picture shows, which this is now
     panel_.settings.lens.focus = depth_of(camera_.view(), *point);
@@ -287,14 +283,14 @@ void Viewer::focus() {
 // True if the picture must follow the window's new size. A scripted window keeps the size that was asked for.
 bool Viewer::resizing() const {
   const glm::uvec2 size = window_.size();
-  const RenderPlan& settings = progressive_.settings();
+  const RenderPlan& settings = render_.settings();
   return !scripted() && size.x > 0 && size != refused_ && (size.x != settings.width || size.y != settings.height);
 }
 
 // The picture follows the window once its edges have come to rest.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
-  const RenderPlan& settings = progressive_.settings();
+  const RenderPlan& settings = render_.settings();
   if (!resizing()) {
     resized_ = -1.0;
     return;
@@ -311,30 +307,18 @@ void Viewer::fit_size() {
 void Viewer::move_camera() {
   last_move_ = glfwGetTime();
   judged_spp_ = 0;
-  progressive_.move(camera_.view());
-  if (comparison_) comparison_->move(camera_.view());
+  scene_.move(camera_.request());
 }
 
 void Viewer::take_settings() {
-  const RenderPlan before = progressive_.settings();
-  const auto pack_for = [&](const RenderPlan& settings) {
-    if (!request_.pack_for || (settings.lights == before.lights && settings.direct == before.direct)) return;
-    comparison_.reset(); // the device may not hold two scenes at once
-    request_.pack_for(settings);
-  };
   judged_spp_ = 0;
   try {
-    pack_for(panel_.settings);
-    progressive_.set_settings(panel_.settings, camera_.view());
-    if (comparison_ && compares()) comparison_->follow(camera_.view());
+    scene_.set_settings(panel_.settings, camera_.request());
     panel_.message.clear();
   } catch (const Error& error) {
     panel_.message = error.what();
-    panel_.settings = before;
-    camera_.resize(before.width, before.height);
-    if (request_.pack_for) request_.pack_for(before);
-    progressive_.set_settings(before, camera_.view());
-    if (comparison_) comparison_->follow(camera_.view());
+    panel_.settings = render_.settings();
+    camera_.resize(panel_.settings.width, panel_.settings.height);
   }
 }
 
@@ -349,9 +333,8 @@ void Viewer::act(const PanelWishes& wishes) {
     for (const std::string& aov : aovs_for(panel_.display.shown)) add(aov);
   if (compares()) add("direct");
   if (wishes.settings || more_channels) take_settings();
-  if (wishes.environment && request_.set_environment && panel_.environment != environment_) try {
-      comparison_.reset(); // the device may not hold two scenes at once
-      request_.set_environment(panel_.environment);
+  if (wishes.environment && panel_.environment != environment_) try {
+      scene_.set_environment(panel_.environment);
       environment_ = panel_.environment;
       panel_.message.clear();
     } catch (const Error& error) {
@@ -381,10 +364,9 @@ void Viewer::save(const char* extension) {
 
 // While the window is resized or the camera moves, a picture is a coarse one, or has another size than the window.
 void Viewer::save_what_waits() {
-  if (waiting_.empty() || resizing() || progressive_.moving() || progressive_.coarse() > 1 || progressive_.spp() == 0)
-    return;
+  if (waiting_.empty() || resizing() || render_.moving() || render_.coarse() > 1 || render_.spp() == 0) return;
   for (const std::string& extension : std::exchange(waiting_, {})) try {
-      const std::string name = free_name(request_.scene->path, extension.c_str());
+      const std::string name = free_name(scene_.session().scene().path, extension.c_str());
       write(name);
       panel_.message = "saved " + name;
     } catch (const Error& error) {
@@ -396,16 +378,16 @@ void Viewer::save_what_waits() {
 // The picture as it is shown: split, or where its shadows are false.
 void Viewer::write(const std::string& path) {
   DisplayOptions display = panel_.display;
-  if (comparison_ && display.shown == Shown::shadow_error) {
-    if (const Picture map = comparison_->judge().map; !map.channels.empty()) {
+  if (scene_.comparison() && display.shown == Shown::shadow_error) {
+    if (const Picture map = scene_.comparison()->judge().map; !map.channels.empty()) {
       display.auto_exposure = false, display.exposure = 0.0, display.tonemap = Tonemap::none;
       return request_.save(path, map, display);
     }
   }
-  Picture picture = progressive_.picture();
+  Picture picture = render_.picture();
   if (splits()) {
     if (display.auto_exposure) display.exposure = auto_exposure(picture), display.auto_exposure = false;
-    const Picture truth = comparison_->truth().picture();
+    const Picture truth = scene_.comparison()->truth().picture();
     if (truth.width == picture.width && truth.height == picture.height)
       picture = split_picture(std::move(picture), truth, panel_.comparison.at);
   }
@@ -424,17 +406,16 @@ bool Viewer::compares() const {
 }
 
 void Viewer::make_comparison() {
-  comparison_.reset();
   verdict_ = {}, judged_spp_ = 0;
-  comparison_ = std::make_unique<ShadowComparison>(progressive_, panel_.comparison.against);
+  scene_.compare(panel_.comparison.against);
 }
 
-// Once `progressive_` has the settings of the panel.
+// Once the render has the settings of the panel.
 void Viewer::fit_comparison() {
   if (!compares()) {
-    comparison_.reset();
+    scene_.stop_comparing();
     verdict_ = {}, judged_spp_ = 0;
-  } else if (!comparison_ || comparison_->against() != panel_.comparison.against) {
+  } else if (!scene_.comparison() || scene_.comparison()->against() != panel_.comparison.against) {
     try {
       make_comparison();
     } catch (const Error& error) {
@@ -448,23 +429,23 @@ void Viewer::fit_comparison() {
 // At each half more samples than before: films are read back and judged on the host, which takes about as long as a few
 // frames.
 void Viewer::judge_shadows() {
-  const std::uint32_t spp = comparison_ ? comparison_->common_spp() : 0;
+  const std::uint32_t spp = scene_.comparison() ? scene_.comparison()->common_spp() : 0;
   if (spp == 0 || (judged_spp_ > 0 && 2 * spp < 3 * judged_spp_ && (spp == judged_spp_ || !done()))) return;
-  verdict_ = comparison_->judge();
+  verdict_ = scene_.comparison()->judge();
   judged_spp_ = spp;
 }
 
 void Viewer::draw_picture() {
-  display_.draw(progressive_, panel_.display);
-  if (!comparison_) return;
+  display_.draw(render_, panel_.display);
+  if (!scene_.comparison()) return;
   if (panel_.display.shown == Shown::shadow_error) return display_.show(verdict_.map, panel_.display.bgra);
   if (splits())
-    display_.draw(comparison_->truth(), panel_.display, split_column(panel_.comparison.at, display_.width()));
+    display_.draw(scene_.comparison()->truth(), panel_.display, split_column(panel_.comparison.at, display_.width()));
 }
 
 void Viewer::copy() {
-  const std::string line = render_line(request_.scene->path, camera_.request(), progressive_.settings(), panel_.display,
-                                       request_.more_flags ? request_.more_flags() : std::string());
+  const std::string line = render_line(scene_.session().scene().path, camera_.request(), render_.settings(),
+                                       panel_.display, request_.more_flags ? request_.more_flags() : std::string());
   glfwSetClipboardString(window_.handle(), line.c_str());
   try {
     print_out("{}\n", line);
@@ -481,7 +462,7 @@ void Viewer::choose_exposure() {
   if (!panel_.display.auto_exposure || status_.spp == 0 || (exposed_ && status_.coarse > 1)) return;
   const bool due = status_.spp >= 8 * exposed_spp_ || (status_.done && status_.spp > exposed_spp_);
   if (!due) return;
-  exposure_ = auto_exposure(progressive_.picture());
+  exposure_ = auto_exposure(render_.picture());
   if (!exposed_) panel_.display.exposure = exposure_;
   exposed_ = true;
   exposed_spp_ = status_.coarse > 1 ? 0 : status_.spp;
@@ -510,16 +491,15 @@ bool Viewer::target_reached() const {
 
 PanelFacts Viewer::facts() const {
   PanelFacts facts;
-  facts.scene = std::filesystem::path(request_.scene->path).filename().string();
-  facts.device = device_;
+  const Scene& scene = scene_.session().scene();
+  facts.scene = std::filesystem::path(scene.path).filename().string();
+  facts.device = scene_.session().device_info().name;
   facts.status = status_;
-  if (panel_.target_error > 0.0) facts.seconds_to_target = progressive_.seconds_to(panel_.target_error);
-  for (const Camera& camera : request_.scene->cameras)
-    facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
-  if (request_.notes) facts.notes = request_.notes(progressive_.settings());
-  for (const auto& [text, count] : request_.scene->warnings.counts()) facts.notes.push_back(text);
+  if (panel_.target_error > 0.0) facts.seconds_to_target = render_.seconds_to(panel_.target_error);
+  for (const Camera& camera : scene.cameras) facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
+  if (request_.notes) facts.notes = request_.notes(render_.settings());
+  for (const auto& [text, count] : scene.warnings.counts()) facts.notes.push_back(text);
   facts.score = verdict_.score;
-  facts.sets_environment = static_cast<bool>(request_.set_environment);
   return facts;
 }
 
@@ -535,8 +515,6 @@ std::vector<const char*> window_extensions() {
   return {names, names + count};
 }
 
-int run_window(Device& device, Progressive& progressive, const WindowRequest& request) {
-  return Viewer(device, progressive, request).run();
-}
+int run_window(ViewedScene& scene, const WindowRequest& request) { return Viewer(scene, request).run(); }
 
 } // namespace wavepath

@@ -1,0 +1,45 @@
+// The scene in a window: a session, the render of it that the window steps, and the renders that its shadows are
+// compared with. What the user changes becomes edits of the session, which tells what they had redone.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "host/render/progressive/progressive.h"
+#include "host/render/progressive/shadow_comparison.h"
+#include "host/session/session.h"
+
+namespace wavepath {
+
+class ViewedScene {
+public:
+  // `settings` leave nothing to decide. Throws Error if the device cannot hold the scene.
+  ViewedScene(Session& session, const RenderPlan& settings);
+  ViewedScene(ViewedScene&&) = delete;
+
+  Session& session() { return session_; }
+  Progressive& render() { return render_; }
+  const Progressive& render() const { return render_; }
+
+  // Each throws Error; then everything is as it was.
+  SessionUpdate move(const ViewRequest& camera); // coarse until rest()
+  SessionUpdate set_settings(const RenderPlan& settings, const ViewRequest& camera);
+  SessionUpdate set_environment(const EnvironmentRequest& environment);
+  void rest();
+
+  // Begins a comparison with the shadow technique `against`, in place of another one. Throws Error; then there is none.
+  void compare(std::uint32_t against);
+  void stop_comparing() { comparison_.reset(); }
+  // Null where there is none; so it is too after another scene had to be packed.
+  ShadowComparison* comparison() const { return comparison_.get(); }
+
+  // Steps the render, or the comparison where there is one. False if there was nothing to do.
+  bool step() { return comparison_ ? comparison_->step() : render_.step(); }
+
+private:
+  Session& session_;
+  Progressive& render_;
+  std::unique_ptr<ShadowComparison> comparison_;
+};
+
+} // namespace wavepath
