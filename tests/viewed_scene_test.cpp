@@ -25,23 +25,23 @@ const std::string kBox = WAVEPATH_SOURCE_DIR "/scenes/cornell_box.gltf";
 class ViewedSceneTest : public VulkanTest {
 protected:
   void open(const std::string& file, const std::string& integrator = "path", std::vector<std::string> groups = {}) {
-    SessionRequest wanted;
-    wanted.scene.path = file;
-    wanted.scene.view = camera_;
-    wanted.scene.environment = "0.5,0.5,0.5";
-    RenderPlan& settings = wanted.render.settings;
+    SceneRequest scene;
+    scene.path = file;
+    scene.view = camera_;
+    scene.environment = "0.5,0.5,0.5";
+    RenderRequest render;
+    RenderPlan& settings = render.settings;
     read_setting(setting_named("integrator"), integrator, settings);
     settings.width = 40, settings.height = 30;
     settings.sample_total = 2;
     settings.max_depth = 2;
     settings.light_groups = std::move(groups);
     settings.aovs = {"direct"};
-    wanted.render.given = {"integrator"};
+    render.given = {"integrator"};
+    resolve_settings(scene, render);
+    SessionRequest wanted = session_request(scene, render);
     wanted.device.device = std::shared_ptr<Device>(&device(), [](Device*) {});
     wanted.device.kernels = std::make_shared<KernelCompiler>(device());
-    wanted.use = SessionUse::light;
-    wanted.keeps_cut = true;
-    resolve_settings(wanted.scene, wanted.render);
     scene_.reset();
     session_ = std::make_unique<Session>(wanted);
     RenderPlan plan = as_told(settings);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -108,13 +109,7 @@ void check(ViewCommandRequest& request) {
 class Viewing {
 public:
   explicit Viewing(const ViewCommandRequest& request)
-      : request_(request),
-        extensions_(window_extensions()),
-        session_({.scene = request.scene,
-                  .render = request.render,
-                  .use = SessionUse::light,
-                  .keeps_cut = true, // a move of the camera must not wait
-                  .window_extensions = extensions_}) {
+      : request_(request), extensions_(window_extensions()), session_(request_of(request, extensions_)) {
     const Scene& scene = session_.scene();
     if (!request.screenshot.empty()) refuse_overwriting({&request.screenshot, 1}, scene.files);
     print_light(session_.loaded());
@@ -159,6 +154,12 @@ public:
   }
 
 private:
+  static SessionRequest request_of(const ViewCommandRequest& request, std::span<const char* const> extensions) {
+    SessionRequest wanted = session_request(request.scene, request.render);
+    wanted.window_extensions = extensions;
+    return wanted;
+  }
+
   // What `wavepath render` needs besides camera and settings.
   std::string flags() const {
     const PackedScene& packed = session_.packed();

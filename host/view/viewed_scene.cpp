@@ -6,6 +6,10 @@
 
 namespace wavepath {
 
+SessionRequest session_request(const SceneRequest& scene, const RenderRequest& render) {
+  return {.scene = scene, .render = render, .use = SessionUse::light, .keeps_cut = true};
+}
+
 ViewedScene::ViewedScene(Session& session, const RenderPlan& settings)
     : session_(session), render_(session.begin(settings, [this] { comparison_.reset(); })) {}
 

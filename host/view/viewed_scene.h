@@ -11,6 +11,9 @@
 
 namespace wavepath {
 
+// What a window wants of its session: no more than it changes is kept, and a move of the camera must not wait.
+SessionRequest session_request(const SceneRequest& scene, const RenderRequest& render);
+
 class ViewedScene {
 public:
   // `settings` leave nothing to decide. Throws Error if the device cannot hold the scene.
