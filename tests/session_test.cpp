@@ -567,12 +567,15 @@ TEST_F(SessionTest, AnEnvironmentThatIsTakenBackLeavesNoTrace) {
     change(wanted.scene);
     Session session(wanted);
     const std::vector<float> first = bits(session, wanted.render);
+    const Environment before = session.scene().environment;
     session.set_environment({"sky", 2.0});
     Environment other;
     other.radiance = glm::vec3(3.0f);
     session.set_environment(other);
     session.reset_environment();
     EXPECT_EQ(session.scene_request().environment, wanted.scene.environment);
+    EXPECT_EQ(session.scene().environment.map, before.map);
+    EXPECT_EQ(session.scene().environment.radiance, before.radiance);
     EXPECT_TRUE(session.update().redone.empty());
     EXPECT_EQ(bits(session, wanted.render), first);
     session.set_environment({"0.1,0.2,0.3"});
