@@ -246,7 +246,7 @@ void Session::State::pose(const RenderPlan& settings) {
   motion_size = {settings.width, settings.height};
 }
 
-// The ground's material is the last one, and lights are the file's, for who lights the scene anew.
+// The ground's material is the last one for who lights the scene anew; edits of materials and lights come after that.
 template <class Change>
 void Session::State::without_added(const Change& change) {
   std::vector<Material>& all = scene().materials;
