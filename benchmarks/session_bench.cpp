@@ -1,9 +1,10 @@
-// What edits of a resident scene cost: session_bench SCENE [NODE]. Prints milliseconds: of the update, by parts, and of
-// the picture beside its rays.
+// What edits of a resident scene cost: session_bench SCENE [NODE [MAP]]. Prints milliseconds: of the edit, of the
+// update with those of all processors in brackets and by parts, and of the picture beside its rays.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,21 +25,23 @@ double median(std::vector<double> values) {
 
 // `edit` gets the number of the repetition, so that each makes a change.
 void measure(Session& session, const RenderRequest& render, const char* what, const std::function<void(int)>& edit) {
-  std::vector<double> edits, updates, beside, rays;
+  std::vector<double> edits, updates, busy, beside, rays;
   SessionUpdate last;
   for (int i = 0; i < kRepetitions; ++i) {
     const Clock::time_point start = Clock::now();
     edit(i);
     edits.push_back(1e3 * seconds_since(start));
+    const std::clock_t processors = std::clock();
     last = session.update(render);
+    busy.push_back(1e3 * static_cast<double>(std::clock() - processors) / CLOCKS_PER_SEC);
     updates.push_back(last.milliseconds);
     const Clock::time_point drawn = Clock::now();
     const SessionPicture picture = session.render(render);
     rays.push_back(1e3 * picture.result.seconds);
     beside.push_back(1e3 * seconds_since(drawn) - rays.back());
   }
-  std::printf("%-12s edit %6.2f  update %7.2f  picture: rays %7.1f, beside them %6.1f  (", what, median(edits),
-              median(updates), median(rays), median(beside));
+  std::printf("%-13s edit %6.2f  update %7.2f [%7.2f]  picture: rays %7.1f, beside them %6.1f  (", what, median(edits),
+              median(updates), median(busy), median(rays), median(beside));
   for (const Redone& part : last.redone) std::printf(" %s %.2f", part.what, part.milliseconds);
   std::printf(" )\n");
 }
@@ -53,7 +56,7 @@ Environment map_of(int seed) {
   return map;
 }
 
-int run_all(const std::string& path, std::size_t node) {
+int run_all(const std::string& path, std::size_t node, const std::string& map) {
   SessionRequest request;
   request.scene.path = path;
   request.scene.environment = "0.5,0.6,0.7";
@@ -83,13 +86,18 @@ int run_all(const std::string& path, std::size_t node) {
     material.roughness = 0.1f + 0.1f * static_cast<float>(i);
     session.set_material(0, material);
   });
-  measure(session, render, "map", [&](int i) { session.set_environment(map_of(i)); });
+  std::vector<Environment> maps;
+  for (int i = 0; i < kRepetitions; ++i) maps.push_back(map_of(i));
+  measure(session, render, "map",
+          [&](int i) { session.set_environment(std::move(maps[static_cast<std::size_t>(i)])); });
+  if (!map.empty()) measure(session, render, "map of a file", [&](int i) { session.set_environment({map, 1.0 + i}); });
   glm::dmat4 matrix = session.matrix(node);
   measure(session, render, "matrix", [&](int) {
     matrix[3].x += 0.01;
     session.set_matrix(node, matrix);
   });
   measure(session, render, "visible", [&](int i) { session.set_visible(node, i % 2 != 0); });
+  session.set_visible(node, true);
   measure(session, render, "emission", [&](int i) {
     Material material = session.scene().materials[0];
     material.emission = glm::vec3(0.1f * static_cast<float>(i + 1));
@@ -102,9 +110,9 @@ int run_all(const std::string& path, std::size_t node) {
 } // namespace wavepath
 
 int main(int count, char** words) {
-  if (count < 2) return std::fprintf(stderr, "usage: session_bench SCENE [NODE]\n"), 2;
+  if (count < 2) return std::fprintf(stderr, "usage: session_bench SCENE [NODE [MAP]]\n"), 2;
   try {
-    return wavepath::run_all(words[1], count > 2 ? std::strtoul(words[2], nullptr, 10) : 0);
+    return wavepath::run_all(words[1], count > 2 ? std::strtoul(words[2], nullptr, 10) : 0, count > 3 ? words[3] : "");
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "%s\n", error.what()), 1;
   }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <span>
 
@@ -22,6 +23,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/codecs/picture_module.h"
+#include "host/scene/pack/emission.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/intervals.h"
 
@@ -280,6 +282,58 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   expect(9, corner * ring[1]);
   expect(15, corner * ring[1]);
   for (const std::size_t dark : {2u, 6u, 10u, 16u, 31u}) EXPECT_EQ(packed.environment[dark].w, 0.0f);
+}
+
+// The weights by their formula, a texel at a time.
+std::vector<double> plain_weights(const Environment& map, double& integral) {
+  std::vector<double> weights;
+  for (std::size_t y = 0; y < map.height; ++y)
+    for (std::size_t x = 0; x < map.width; ++x) {
+      const std::size_t columns[3] = {(x + map.width - 1) % map.width, x, (x + 1) % map.width};
+      const std::size_t rows[3] = {y > 0 ? y - 1 : 0, y, std::min<std::size_t>(y + 1, map.height - 1)};
+      double sum = 0.0;
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i)
+          sum += (i == 1 ? 2.0 : 1.0) * (j == 1 ? 2.0 : 1.0) *
+                 luminance(glm::dvec3(map.radiance) * glm::dvec3(map.map[rows[j] * map.width + columns[i]]));
+      weights.push_back(sum / 16.0 * texel_solid_angle(y, map.width, map.height));
+    }
+  integral = std::accumulate(weights.begin(), weights.end(), 0.0);
+  return weights;
+}
+
+// Pictures keep their bits, whatever the size, and whatever was packed there before.
+TEST(EnvironmentLight, IsPackedToTheBitByThreadsAndInMemoryOfAnother) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0.0f, 3.0f);
+  PackedScene again;
+  for (const glm::uvec2 size : {glm::uvec2(1, 1), {2, 1}, {1, 3}, {64, 32}, {37, 53}, {64, 32}, {300, 130}, {5, 17}}) {
+    Environment map;
+    map.radiance = {0.5f, 2.0f, 1.25f};
+    map.width = size.x, map.height = size.y;
+    for (std::size_t i = 0; i < std::size_t{size.x} * size.y; ++i)
+      map.map.push_back(i / size.x % 5 == 3 ? glm::vec3(0.0f)
+                                            : glm::vec3(uniform(random), uniform(random), uniform(random)));
+    if (size.x == 64) // a row that is never picked
+      for (std::size_t x = 0; x < 3 * 64; ++x) map.map[4 * 64 + x] = glm::vec3(0.0f);
+    double integral = 0.0;
+    const std::vector<double> weights = plain_weights(map, integral);
+    PackedScene fresh;
+    EXPECT_EQ(pack_environment(map, gpu::kDirectNee, fresh), integral);
+    EXPECT_EQ(fresh.environment_ends, environment_intervals(weights, size.x, size.y)) << size.x << "x" << size.y;
+    EXPECT_EQ(pack_environment(map, gpu::kDirectNee, again), integral);
+    EXPECT_EQ(again.environment_ends, fresh.environment_ends);
+    EXPECT_EQ(again.environment, fresh.environment);
+    const std::vector<double> probabilities = table_probabilities(fresh);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      EXPECT_EQ(fresh.environment[i], glm::vec4(map.map[i], static_cast<float>(probabilities[i]))) << i;
+  }
+  Environment dark;
+  dark.radiance = glm::vec3(0.25f);
+  pack_environment(dark, gpu::kDirectNee, again);
+  EXPECT_TRUE(again.environment.empty() && again.environment_ends.empty());
+  EXPECT_EQ(again.environment_width, 0u);
+  EXPECT_EQ(again.environment_radiance, glm::vec3(0.25f));
 }
 
 // With MIS dim texels get less than their fraction, and none gets nothing.

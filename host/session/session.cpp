@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "host/base/clock.h"
 #include "host/base/error.h"
@@ -50,6 +52,17 @@ void check_index(const Scene& scene, const char* what, std::size_t index, std::s
   if (index >= count)
     throw Error(scene.path, fmt::format("has no {} {}", what, index),
                 count ? fmt::format("give a number up to {}", count - 1) : "add one first");
+}
+
+// Neither negative nor infinite, nor not-a-number, which no comparison holds for.
+bool is_radiance(std::span<const glm::vec3> values) {
+  const auto check = [&](const tbb::blocked_range<std::size_t>& range, bool sound) {
+    for (const glm::vec3& v : values.subspan(range.begin(), range.size()))
+      for (int c = 0; c < 3; ++c) sound &= v[c] >= 0.0f && v[c] <= std::numeric_limits<float>::max();
+    return sound;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, values.size(), 1 << 16), true, check,
+                              std::logical_and<bool>());
 }
 
 // What meshes carry for a material: an edit that asks for more has the meshes read again.
@@ -485,11 +498,7 @@ void Session::set_environment(Environment environment) {
   if (environment.map.size() != texels)
     throw Error("environment", fmt::format("does not hold {}x{} texels", environment.width, environment.height),
                 "give as many");
-  const auto sound = [](const glm::vec3& v) {
-    return glm::all(glm::greaterThanEqual(v, glm::vec3(0.0f))) &&
-           glm::all(glm::lessThanEqual(v, glm::vec3(std::numeric_limits<float>::max())));
-  };
-  if (!sound(environment.radiance) || !std::ranges::all_of(environment.map, sound))
+  if (!is_radiance({&environment.radiance, 1}) || !is_radiance(environment.map))
     throw Error("environment", "has a radiance that is negative or not finite", "give finite values of zero or more");
   s.without_added([&] { s.note(relight(s.request.scene, {std::move(environment)}, s.loaded)); });
   s.is_edited = true;

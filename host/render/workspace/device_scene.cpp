@@ -110,32 +110,46 @@ std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bo
   return image;
 }
 
-// What of a scene on the device goes over to the next one.
-DeviceScene take_kept(DeviceScene before, const KeptParts& parts) {
-  DeviceScene kept;
-  if (parts.textures) {
-    kept.textures = std::move(before.textures);
-    kept.texels = std::move(before.texels);
-    kept.srgb_table = std::move(before.srgb_table);
-    kept.atlases = std::move(before.atlases);
+// Writes over what the buffer holds if it has this size: fresh memory costs a fault a page.
+template <class T>
+void renew(Device& device, const std::vector<T>& values, Buffer& buffer) {
+  if (!buffer.handle() || buffer.bytes() != bytes_of(values)) {
+    buffer = Buffer{}; // makes room first
+    buffer = upload(device, values);
+  } else if (!values.empty()) {
+    buffer.write(values.data(), bytes_of(values));
   }
-  if (parts.environment) {
-    kept.environment = std::move(before.environment);
-    kept.environment_ends = std::move(before.environment_ends);
+}
+
+// What of a scene on the device goes over to the next one, and what lends it memory of the size that it needs. The rest
+// makes room.
+DeviceScene take_kept(DeviceScene kept, const PackedScene& scene, const KeptParts& parts) {
+  const auto lend = [](Buffer& buffer, std::uint64_t bytes) {
+    if (buffer.bytes() != bytes) buffer = Buffer{};
+  };
+  if (!parts.textures) {
+    kept.textures = Buffer{};
+    kept.srgb_table = Buffer{};
+    kept.texels.clear();
+    kept.atlases = {};
   }
-  if (parts.lights) {
-    kept.lights = std::move(before.lights);
-    kept.light_tree = std::move(before.light_tree);
+  if (!parts.environment) {
+    lend(kept.environment, bytes_of(scene.environment));
+    lend(kept.environment_ends, bytes_of(scene.environment_ends));
   }
-  if (parts.geometry) {
-    kept.nodes = std::move(before.nodes);
-    kept.instances = std::move(before.instances);
-    if (before.queries) kept.queries.emplace(std::move(*before.queries));
-    kept.triangles = std::move(before.triangles);
-    kept.triangle_vertices = std::move(before.triangle_vertices);
-    kept.vertex_normals = std::move(before.vertex_normals);
-    kept.vertex_uvs = std::move(before.vertex_uvs);
-    kept.vertex_colors = std::move(before.vertex_colors);
+  if (!parts.lights) {
+    kept.lights = Buffer{};
+    kept.light_tree = Buffer{};
+  }
+  if (!parts.geometry) {
+    kept.nodes = Buffer{};
+    kept.instances = Buffer{};
+    kept.queries.reset();
+    lend(kept.triangles, bytes_of(scene.triangles) + bytes_of(scene.motions));
+    lend(kept.triangle_vertices, bytes_of(scene.triangle_vertices));
+    lend(kept.vertex_normals, bytes_of(scene.vertex_normals));
+    lend(kept.vertex_uvs, bytes_of(scene.vertex_uvs));
+    lend(kept.vertex_colors, bytes_of(scene.vertex_colors));
   }
   return kept;
 }
@@ -201,8 +215,8 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
                 "simplify the scene or choose another device with --device");
 
   KeptParts parts = kept;
-  if (by_query && !parts.marks) parts.geometry = false;     // its instances hold both
-  DeviceScene result = take_kept(std::move(before), parts); // what does not go over makes room
+  if (by_query && !parts.marks) parts.geometry = false; // its instances hold both
+  DeviceScene result = take_kept(std::move(before), scene, parts);
   if (!parts.geometry) {
     if (by_query) {
       QueryScene queries = make_query_scene(device, scene);
@@ -213,16 +227,19 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
       result.nodes = upload(device, scene.nodes);
       result.instances = upload(device, scene.instances);
     }
-    result.triangles = scene.moves() ? upload(device, with_motions(scene)) : upload(device, scene.triangles);
-    result.triangle_vertices = upload(device, scene.triangle_vertices);
-    result.vertex_normals = upload(device, scene.vertex_normals);
-    result.vertex_uvs = upload(device, scene.vertex_uvs);
-    result.vertex_colors = upload(device, scene.vertex_colors);
+    if (scene.moves())
+      renew(device, with_motions(scene), result.triangles);
+    else
+      renew(device, scene.triangles, result.triangles);
+    renew(device, scene.triangle_vertices, result.triangle_vertices);
+    renew(device, scene.vertex_normals, result.vertex_normals);
+    renew(device, scene.vertex_uvs, result.vertex_uvs);
+    renew(device, scene.vertex_colors, result.vertex_colors);
   } else if (!kept.marks) {
-    result.triangles = upload(device, scene.triangles); // scenes that move keep none
-    result.instances = upload(device, scene.instances);
+    renew(device, scene.triangles, result.triangles); // scenes that move keep none
+    renew(device, scene.instances, result.instances);
   }
-  result.materials = upload(device, material_bytes(scene));
+  renew(device, material_bytes(scene), result.materials);
   if (!kept.textures) {
     result.textures = upload(device, scene.textures);
     result.texels = upload_pages(device, scene.texels);
@@ -230,8 +247,8 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
     if (any_sampled(scene)) result.atlases = upload_atlases(device, scene.atlases);
   }
   if (!kept.environment) {
-    result.environment = upload(device, scene.environment);
-    result.environment_ends = upload(device, scene.environment_ends);
+    renew(device, scene.environment, result.environment);
+    renew(device, scene.environment_ends, result.environment_ends);
   }
   if (!kept.lights) {
     result.lights = upload(device, light_words(scene));

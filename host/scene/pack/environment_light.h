@@ -14,7 +14,7 @@ namespace wavepath {
 // zero. The weight of a texel covers what bilinear interpolation can return inside it: the luminance under a 3x3 tent
 // filter (u wraps, v clamps) times the solid angle of the texel, so that no direction with radiance has probability
 // zero. With kDirectMis, dim texels weigh less than that. Returns the integral of the luminance of the radiance over
-// the sphere.
+// the sphere. Arrays of an environment that was packed before keep their memory.
 double pack_environment(const Environment& environment, std::uint32_t direct, PackedScene& packed);
 
 // PackedScene::environment_ends for texels with these weights, row by row; empty if they sum to 0.

@@ -387,10 +387,8 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
       pack_textures(scene, materials.textures, packed);
     if (memory) memory->textures = std::move(materials.textures);
   }
-  if (kept.environment)
-    take_environment(before, packed);
-  else
-    before.environment = pack_environment(scene.environment, packing.direct, packed);
+  take_environment(before, packed); // of another one, the memory
+  if (!kept.environment) before.environment = pack_environment(scene.environment, packing.direct, packed);
   kept.surfaces = same_materials && kept.environment;
 
   place_catcher(scene, layout.material_index, packed);
