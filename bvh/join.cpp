@@ -18,29 +18,34 @@ WideNode moved(WideNode node, std::uint32_t children, std::uint32_t items) {
 
 } // namespace
 
-WideTree join(const JoinedTree& a, const JoinedTree& b) {
-  const bool swap = half_area(b.box) < half_area(a.box); // children come by growing area
-  const JoinedTree &first = swap ? b : a, &second = swap ? a : b;
-  const Box boxes[2] = {first.box, second.box};
-  const auto inner = static_cast<std::uint32_t>(first.tree.nodes.size() - 1); // of the first, without its root
-  const auto items = static_cast<std::uint32_t>(first.tree.order.size());
+WideTree join(const JoinedTree& first, const JoinedTree& second) {
   WideTree joined;
-  joined.depth = std::max(first.tree.depth, second.tree.depth) + 1;
   joined.nodes.reserve(first.tree.nodes.size() + second.tree.nodes.size() + 1);
-  WideNode& root = joined.nodes.emplace_back(place_on_grid(boxes));
+  joined.order.reserve(first.tree.order.size() + second.tree.order.size());
+  joined.nodes.resize(3); // the roots side by side, then what is below the first one, then what is below the second
+  for (std::size_t i = 1; i < first.tree.nodes.size(); ++i) joined.nodes.push_back(moved(first.tree.nodes[i], 2, 0));
+  for (const std::uint32_t item : first.tree.order) joined.order.push_back(first.items[item]);
+  join_again(first, second, joined);
+  return joined;
+}
+
+void join_again(const JoinedTree& first, const JoinedTree& second, WideTree& joined) {
+  const auto inner = static_cast<std::uint32_t>(first.tree.nodes.size() - 1); // without its root
+  const auto items = static_cast<std::uint32_t>(first.tree.order.size());
+  const bool swap = half_area(second.box) < half_area(first.box); // children come by growing area
+  const Box boxes[2] = {swap ? second.box : first.box, swap ? first.box : second.box};
+  joined.depth = std::max(first.tree.depth, second.tree.depth) + 1;
+  joined.nodes.resize(3 + inner);
+  WideNode& root = joined.nodes[0] = place_on_grid(boxes);
   root.layout |= 2u << kInnerCountShift;
   root.first_child = 1;
   root.first_item = 0;
-  // The roots side by side, then what is below the first one, then what is below the second.
-  joined.nodes.push_back(moved(first.tree.nodes[0], 2, 0));
-  joined.nodes.push_back(moved(second.tree.nodes[0], 2 + inner, items));
-  for (std::size_t i = 1; i < first.tree.nodes.size(); ++i) joined.nodes.push_back(moved(first.tree.nodes[i], 2, 0));
+  joined.nodes[swap ? 2 : 1] = moved(first.tree.nodes[0], 2, 0);
+  joined.nodes[swap ? 1 : 2] = moved(second.tree.nodes[0], 2 + inner, items);
   for (std::size_t i = 1; i < second.tree.nodes.size(); ++i)
     joined.nodes.push_back(moved(second.tree.nodes[i], 2 + inner, items));
-  joined.order.reserve(first.tree.order.size() + second.tree.order.size());
-  for (const JoinedTree* part : {&first, &second})
-    for (const std::uint32_t item : part->tree.order) joined.order.push_back(part->items[item]);
-  return joined;
+  joined.order.resize(items);
+  for (const std::uint32_t item : second.tree.order) joined.order.push_back(second.items[item]);
 }
 
 } // namespace wavepath::bvh

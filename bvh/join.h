@@ -16,7 +16,12 @@ struct JoinedTree {
   std::span<const std::uint32_t> items;
 };
 
-// The tree over the items of both, which have at least one each: one level deeper than the deeper of them.
-WideTree join(const JoinedTree& a, const JoinedTree& b);
+// The tree over the items of both, which have at least one each: one level deeper than the deeper of them. Nodes and
+// items of the first one lie before those of the second.
+WideTree join(const JoinedTree& first, const JoinedTree& second);
+
+// The same over what join() gave for the same first one and another second one: of the first one, nothing is touched
+// but its root.
+void join_again(const JoinedTree& first, const JoinedTree& second, WideTree& joined);
 
 } // namespace wavepath::bvh

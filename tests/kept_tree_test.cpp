@@ -1,4 +1,5 @@
 // Trees of an object that is packed in one pose after another: valid over all triangles, and built over few.
+#include <cstring>
 #include <random>
 #include <span>
 #include <string>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bvh/geometry.h"
+#include "bvh/measure.h"
 #include "bvh/validate.h"
 #include "host/scene/pack/kept_tree.h"
 
@@ -34,15 +36,18 @@ protected:
   // Builds, and returns how many triangles trees were built over.
   std::uint64_t build() {
     trees_.built = 0;
-    bvh::BuildReport report;
-    const bvh::WideTree tree = build_again(triangles_, {.quality = GetParam()}, trees_, 0, report);
-    for (const std::string& wrong : bvh::validate(tree, std::span<const bvh::Triangle>(triangles_)))
+    check(build_again(triangles_, {.quality = GetParam()}, trees_, 0));
+    return trees_.built;
+  }
+
+  void check(const KeptTree& kept) {
+    for (const std::string& wrong : bvh::validate(kept.tree, std::span<const bvh::Triangle>(triangles_)))
       ADD_FAILURE() << wrong;
     bvh::Box all;
     for (const bvh::Triangle& t : triangles_) all = bvh::merge(bvh::merge(bvh::merge(all, t.v0), t.v1), t.v2);
-    EXPECT_LE(report.box.lo.x, all.lo.x);
-    EXPECT_GE(report.box.hi.x, all.hi.x);
-    return trees_.built;
+    EXPECT_LE(kept.box.lo.x, all.lo.x);
+    EXPECT_GE(kept.box.hi.x, all.hi.x);
+    EXPECT_NEAR(kept.sah_cost, bvh::measure(kept.tree).sah_cost, 0.01 * kept.sah_cost);
   }
 
   std::vector<bvh::Triangle> triangles_ = scattered(2000);
@@ -65,6 +70,37 @@ TEST_P(KeptTreeTest, IsBuiltOverWhatMoves) {
   EXPECT_EQ(build(), 2000u);
   triangles_.pop_back();
   EXPECT_EQ(build(), 1999u);
+}
+
+// What moves is told, instead of found by comparing all.
+TEST_P(KeptTreeTest, IsToldWhatMoves) {
+  build();
+  const auto move = [&](std::uint32_t first, std::size_t count, float by) {
+    MovedTriangles some{first, {}};
+    for (std::size_t t = first; t < first + count; ++t) {
+      shift(triangles_[t], by);
+      some.triangles.push_back(triangles_[t]);
+    }
+    return some;
+  };
+  KeptTree& kept = trees_.of_objects[0];
+  const auto tell = [&](const std::vector<MovedTriangles>& moved) {
+    const bool goes_on = move_again(moved, GetParam(), kept, trees_.built);
+    check(kept);
+    return goes_on;
+  };
+  EXPECT_FALSE(tell({move(100, 30, 30.0f), move(700, 5, 1.0f)}));
+  const std::vector<bvh::WideNode> nodes = kept.tree.nodes;
+  const std::vector<std::uint32_t> order = kept.tree.order;
+  trees_.built = 0;
+  EXPECT_TRUE(tell({move(100, 30, -50.0f)}));
+  EXPECT_EQ(trees_.built, 35u);
+  const std::size_t still = kept.still.order.size(), inner = kept.still.nodes.size() - 1;
+  EXPECT_TRUE(std::equal(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(still), kept.tree.order.begin()));
+  for (std::size_t n = 3; n < 3 + inner; ++n)
+    EXPECT_EQ(std::memcmp(&nodes[n], &kept.tree.nodes[n], sizeof(bvh::WideNode)), 0) << n;
+  EXPECT_FALSE(tell({move(1000, 1, 1.0f)})); // that had not moved
+  EXPECT_EQ(build(), 0u);                    // comparing finds nothing else
 }
 
 INSTANTIATE_TEST_SUITE_P(Qualities, KeptTreeTest,

@@ -8,6 +8,15 @@
 
 namespace wavepath {
 
+namespace {
+
+Bounds join(Bounds a, const Bounds& b) {
+  a.add(b);
+  return a;
+}
+
+} // namespace
+
 Bounds mesh_bounds(const Mesh& mesh, const glm::dmat4& transform) {
   Bounds total;
   for (const Primitive& primitive : mesh.primitives) {
@@ -25,7 +34,6 @@ Bounds mesh_bounds(const Mesh& mesh, const glm::dmat4& transform) {
       }
       return bounds;
     };
-    const auto join = [](Bounds a, const Bounds& b) { return a.add(b), a; };
     total.add(tbb::parallel_reduce(tbb::blocked_range<std::uint32_t>(0, primitive.index_count / 3, 4096), Bounds{},
                                    add_range, join));
   }
@@ -47,15 +55,18 @@ Bounds world_bounds(const Scene& scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
     if (usage.mesh_instances[m] > 1) shared[m] = mesh_bounds(scene.meshes[m], glm::dmat4(1.0));
 
-  Bounds world;
-  for (const Instance& instance : scene.instances) {
-    const std::uint32_t uses = usage.mesh_instances[instance.mesh];
-    if (uses == 0) continue;
-    const Bounds box = uses == 1 ? mesh_bounds(scene.meshes[instance.mesh], instance.world_from_object)
-                                 : transform_bounds(shared[instance.mesh], instance.world_from_object);
-    if (!box.empty() && finite_point(box.lo) && finite_point(box.hi)) world.add(box);
-  }
-  return world;
+  const auto add_range = [&](const tbb::blocked_range<std::size_t>& range, Bounds world) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const Instance& instance = scene.instances[i];
+      const std::uint32_t uses = usage.mesh_instances[instance.mesh];
+      if (uses == 0) continue;
+      const Bounds box = uses == 1 ? mesh_bounds(scene.meshes[instance.mesh], instance.world_from_object)
+                                   : transform_bounds(shared[instance.mesh], instance.world_from_object);
+      if (!box.empty() && finite_point(box.lo) && finite_point(box.hi)) world.add(box);
+    }
+    return world;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, scene.instances.size()), Bounds{}, add_range, join);
 }
 
 } // namespace wavepath

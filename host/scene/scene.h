@@ -45,12 +45,16 @@ struct Mesh {
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
   std::vector<Primitive> primitives;
+  // A number that only meshes with the same vertices, indices and primitives share (new_content()); 0: none is known.
+  std::uint64_t content = 0;
   // Vertices that move while the shutter is open: where they are when it closes, in the same space. Empty = they stay.
   std::vector<glm::vec3> end_positions, end_normals;
   std::vector<glm::vec4> end_tangents, end_layer_tangents[2];
 
   bool moves() const { return !end_positions.empty(); }
 };
+
+std::uint64_t new_content(); // that no mesh of the process has
 
 struct Instance {
   std::uint32_t mesh = 0;

@@ -54,8 +54,9 @@ void add(Hash& hash, const Primitive& primitive) {
 }
 
 void add(Hash& hash, const Mesh& mesh) {
-  const auto& [name, positions, normals, tangents, layer_tangents, uvs, colors, indices, primitives, end_positions,
-               end_normals, end_tangents, end_layer_tangents] = mesh;
+  const auto& [name, positions, normals, tangents, layer_tangents, uvs, colors, indices, primitives, content,
+               end_positions, end_normals, end_tangents, end_layer_tangents] =
+      mesh; // content: a number of this process
   hash.add_all(positions);
   hash.add_all(normals);
   hash.add_all(tangents);

@@ -2,6 +2,7 @@
 #include "host/scene/usage.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "host/base/error.h"
@@ -23,6 +24,11 @@ double lit_fraction(const Image& image) {
 }
 
 } // namespace
+
+std::uint64_t new_content() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 Usage find_usage(const Scene& scene) {
   Usage usage;

@@ -379,7 +379,7 @@ SessionUpdate Session::State::bring(const RenderRequest& given) {
     }
     prepared.view = resolve_view(loaded.scene, loaded.framing, request.scene.view, settings.width, settings.height);
     if (request.keeps_cut && !prepared.cut_near) prepared.cut_near = prepared.view.position;
-    update.kept_surfaces = update.kept_geometry = true;
+    update.kept_surfaces = update.kept_geometry = update.kept_shapes = true;
     if (!packed_as || !is_packed(packing_of(render, loaded.scene, prepared))) {
       if (stepped) {
         if (lets_go) lets_go();
@@ -392,6 +392,7 @@ SessionUpdate Session::State::bring(const RenderRequest& given) {
       told("pack");
       update.kept_surfaces = memory.kept.surfaces;
       update.kept_geometry = memory.kept.geometry;
+      update.kept_shapes = memory.kept.geometry || memory.kept.places;
       const double seconds = seconds_since(start) - prepared.packed.bvh_seconds;
       prepared.load_seconds = is_first ? prepared.load_seconds + seconds : seconds;
       upload(render);
@@ -647,6 +648,7 @@ std::size_t Session::add_mesh(AddedMesh mesh) {
   const std::size_t node = s.file_nodes + s.added_nodes.size();
   s.added_nodes.push_back(mesh.name);
   s.scene().node_names.push_back(mesh.name);
+  mesh.mesh.content = new_content();
   s.meshes.emplace(node, std::move(mesh));
   s.poses = s.moves = s.is_edited = true;
   return node;

@@ -79,6 +79,7 @@ struct SessionUpdate {
   std::uint64_t built_triangles = 0; // triangles of the trees that were built
   // What was taken over: materials, textures and the environment; triangles, vertices and the tree.
   bool kept_surfaces = false, kept_geometry = false;
+  bool kept_shapes = false; // triangles, vertices and the tree but for those that are elsewhere
 };
 
 struct SessionHooks : RunHooks {

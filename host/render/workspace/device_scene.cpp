@@ -121,6 +121,13 @@ void renew(Device& device, const std::vector<T>& values, Buffer& buffer) {
   }
 }
 
+// Writes some of the values over those that the buffer holds.
+template <class T>
+void rewrite(std::span<const ArrayRange> ranges, const std::vector<T>& values, Buffer& buffer) {
+  for (const ArrayRange& range : ranges)
+    if (range.count > 0) buffer.write(values.data() + range.first, range.count * sizeof(T), range.first * sizeof(T));
+}
+
 // What of a scene on the device goes over to the next one, and what lends it memory of the size that it needs. The rest
 // makes room.
 DeviceScene take_kept(DeviceScene kept, const PackedScene& scene, const KeptParts& parts) {
@@ -142,9 +149,13 @@ DeviceScene take_kept(DeviceScene kept, const PackedScene& scene, const KeptPart
     kept.light_tree = Buffer{};
   }
   if (!parts.geometry) {
-    kept.nodes = Buffer{};
-    kept.instances = Buffer{};
-    kept.queries.reset();
+    if (kept.queries) {
+      kept.queries.reset();
+      kept.nodes = Buffer{};
+      kept.instances = Buffer{};
+    }
+    lend(kept.nodes, bytes_of(scene.nodes));
+    lend(kept.instances, bytes_of(scene.instances));
     lend(kept.triangles, bytes_of(scene.triangles) + bytes_of(scene.motions));
     lend(kept.triangle_vertices, bytes_of(scene.triangle_vertices));
     lend(kept.vertex_normals, bytes_of(scene.vertex_normals));
@@ -216,16 +227,26 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
 
   KeptParts parts = kept;
   if (by_query && !parts.marks) parts.geometry = false; // its instances hold both
+  if (by_query || before.queries || !before.triangles.handle() ||
+      before.triangles.bytes() != bytes_of(scene.triangles)) // more of them, by splits
+    parts.places = false;
   DeviceScene result = take_kept(std::move(before), scene, parts);
-  if (!parts.geometry) {
+  if (parts.places) {
+    renew(device, scene.nodes, result.nodes);
+    renew(device, scene.instances, result.instances);
+    const ArrayRange triangles[] = {parts.moved_triangles};
+    rewrite(triangles, scene.triangles, result.triangles);
+    if (!scene.triangle_vertices.empty()) rewrite(triangles, scene.triangle_vertices, result.triangle_vertices);
+    rewrite(parts.moved_vertices, scene.vertex_normals, result.vertex_normals);
+  } else if (!parts.geometry) {
     if (by_query) {
       QueryScene queries = make_query_scene(device, scene);
       result.nodes = upload(device, queries.items);
       result.instances = upload(device, queries.instances);
       result.queries.emplace(std::move(queries.structures));
     } else {
-      result.nodes = upload(device, scene.nodes);
-      result.instances = upload(device, scene.instances);
+      renew(device, scene.nodes, result.nodes);
+      renew(device, scene.instances, result.instances);
     }
     if (scene.moves())
       renew(device, with_motions(scene), result.triangles);

@@ -60,6 +60,7 @@ FlatTransform flat_transform(const glm::dmat4& world_from_object, bool mirrors) 
 
 Mesh flattened(const Mesh& mesh, const glm::dvec3& direction) {
   Mesh flat = mesh;
+  flat.content = 0;
   const auto flatten = [&](const glm::vec3& v) {
     return glm::vec3(glm::dvec3(v) - direction * glm::dot(direction, glm::dvec3(v)));
   };
@@ -76,6 +77,7 @@ Mesh flattened(const Mesh& mesh, const glm::dvec3& direction) {
 
 Mesh collapsed(const Mesh& mesh, const glm::dmat4& world_from_object) {
   Mesh line = mesh;
+  line.content = 0;
   for (glm::vec3& p : line.positions) p = glm::vec3(world_from_object * glm::dvec4(p, 1.0));
   return line;
 }

@@ -140,11 +140,13 @@ void place_mesh(Import& import, std::size_t node_index) {
   const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
   gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
   const auto [found, is_new] = import.meshes.emplace(use, 0);
-  if (const auto kept = import.read_before.find(use); is_new && kept != import.read_before.end())
+  if (const auto kept = import.read_before.find(use); is_new && kept != import.read_before.end()) {
     found->second = add_mesh(import, std::move(kept->second));
-  else if (is_new)
+  } else if (is_new) {
     found->second =
         add_mesh(import, gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
+    if (node.skin < 0) import.scene.meshes[found->second].content = new_content();
+  }
   const std::uint32_t mesh = found->second;
   if (import.scene.meshes[mesh].indices.empty()) return;
   if (node.skin >= 0) {

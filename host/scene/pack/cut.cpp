@@ -145,8 +145,11 @@ bool may_be_huge(const Mesh& mesh, const CutSight& sight, std::uint32_t first_in
 
 template <typename Predicate>
 std::vector<CutTask> find_triangles(const Scene& scene, std::span<const Part> parts, const Predicate& predicate) {
-  std::vector<CutTask> found;
-  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+  const auto join = [](std::vector<CutTask> a, const std::vector<CutTask>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+  };
+  const auto add_part = [&](std::uint32_t p, std::vector<CutTask> found) {
     const Primitive& primitive = scene.meshes[parts[p].mesh].primitives[parts[p].primitive];
     const auto add = [&](const tbb::blocked_range<std::uint32_t>& range, std::vector<CutTask> some) {
       for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
@@ -155,15 +158,16 @@ std::vector<CutTask> find_triangles(const Scene& scene, std::span<const Part> pa
       }
       return some;
     };
-    const auto join = [](std::vector<CutTask> a, const std::vector<CutTask>& b) {
-      a.insert(a.end(), b.begin(), b.end());
-      return a;
-    };
-    const std::vector<CutTask> some = tbb::parallel_reduce(
-        tbb::blocked_range<std::uint32_t>(0, primitive.index_count / 3, 4096), std::vector<CutTask>{}, add, join);
-    found.insert(found.end(), some.begin(), some.end());
-  }
-  return found;
+    return join(std::move(found),
+                tbb::parallel_reduce(tbb::blocked_range<std::uint32_t>(0, primitive.index_count / 3, 4096),
+                                     std::vector<CutTask>{}, add, join));
+  };
+  const auto add_parts = [&](const tbb::blocked_range<std::uint32_t>& range, std::vector<CutTask> found) {
+    for (std::uint32_t p = range.begin(); p < range.end(); ++p) found = add_part(p, std::move(found));
+    return found;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(parts.size())),
+                              std::vector<CutTask>{}, add_parts, join);
 }
 
 // Rule for splitting edges: those longer than `ratio` times their distance.

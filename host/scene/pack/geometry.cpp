@@ -15,12 +15,6 @@
 namespace wavepath {
 namespace {
 
-// Source of a triangle: its part, its first index in the mesh's index list, and its number among the object's pieces.
-struct TriangleSource {
-  std::uint32_t part, first_index;
-  std::uint32_t piece = kNoIndex;
-};
-
 struct Corners {
   glm::vec3 position[3], end[3]; // when the shutter opens, and when it closes
   std::uint32_t vertex[3];       // in the vertex streams
@@ -226,6 +220,61 @@ void require_items(const Scene& scene, std::size_t count) {
                 "simplify or split the scene, or try --bvh fast");
 }
 
+void set_box(const bvh::Box& box, Object& object) {
+  object.lo = {box.lo.x, box.lo.y, box.lo.z};
+  object.hi = {box.hi.x, box.hi.y, box.hi.z};
+}
+
+// What is known of the triangles of an object, by triangle; see KeptObject.
+struct ObjectTables {
+  ObjectSource object;
+  std::span<const TriangleSource> sources;
+  std::span<const Coverage> coverage;
+  std::span<const std::uint32_t> ids;
+  const Ids& ids_of_pieces;
+
+  // The items of `tree` from `begin` on. `first`: where the object begins in the arrays of `packed`, which have room.
+  void write(const bvh::WideTree& tree, std::size_t begin, std::size_t first, PackedScene& packed) const {
+    tbb::parallel_for(begin, tree.order.size(), [&](std::size_t i) {
+      const std::uint32_t t = tree.order[i];
+      const TriangleSource& source = sources[t];
+      const Part& part = object.parts[source.part];
+      const Corners c = find_corners(object, source);
+      const std::uint32_t index = ids.empty() ? t : ids[t];
+      const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
+      const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
+      const std::uint32_t id = ids_of_pieces.own.empty() ? index : ids_of_pieces.own[index];
+      packed.triangles[first + i] = {c.position[0], surface, c.position[1], id, c.position[2], gpu::kNone};
+      if (packed.motions.size() > first) // objects after the first stand still
+        packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
+                                     c.end[2] - c.position[2], 0u};
+      if (!packed.sources.empty()) packed.sources[first + i] = {part.mesh, source.first_index};
+      if (!packed.triangle_vertices.empty())
+        packed.triangle_vertices[first + i] = {c.vertex[0], c.vertex[1], c.vertex[2],
+                                               source.piece == kNoIndex ? 0u : ids_of_pieces.source[index]};
+    });
+  }
+};
+
+// By part, and one more at the end.
+std::vector<std::uint32_t> list_first_triangles(std::size_t parts, std::span<const TriangleSource> sources) {
+  std::vector<std::uint32_t> firsts(parts + 1, 0);
+  for (const TriangleSource& source : sources) ++firsts[source.part + 1];
+  for (std::size_t p = 0; p < parts; ++p) firsts[p + 1] += firsts[p];
+  return firsts;
+}
+
+// By part: whether none of its triangles is missing in `sources`.
+std::vector<std::uint8_t> list_intact(const Scene& scene, std::span<const Part> parts,
+                                      std::span<const TriangleSource> sources) {
+  const std::vector<std::uint32_t> firsts = list_first_triangles(parts.size(), sources);
+  std::vector<std::uint8_t> intact;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    intact.push_back(firsts[p + 1] - firsts[p] ==
+                     scene.meshes[parts[p].mesh].primitives[parts[p].primitive].index_count / 3);
+  return intact;
+}
+
 } // namespace
 
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes) {
@@ -240,7 +289,7 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
 
 Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
                      bool with_vertices, bool with_sources, std::uint64_t times, bvh::Quality quality, KeptTrees* trees,
-                     std::size_t number, PackedScene& packed) {
+                     std::size_t number, KeptObject* kept, PackedScene& packed) {
   const ObjectSource whole_object{scene, parts, cut};
   std::vector<TriangleSource> sources = list_sources(whole_object);
   // Pieces too thin for single precision are no fault of the source.
@@ -248,10 +297,12 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
   const auto listed = count_whole();
   std::vector<bvh::Triangle> triangles = list_valid(whole_object, sources);
   packed.dropped_triangles += static_cast<std::uint64_t>(listed - count_whole()) * times;
+  std::vector<std::uint8_t> intact;
+  if (kept && cut.cut.empty()) intact = list_intact(scene, parts, sources);
   const Ids ids_of_pieces = cut.cut.empty() ? Ids{} : number_pieces(cut, sources);
   std::vector<Coverage> coverage = list_coverage(scene, parts, sources, alpha);
   packed.alpha += count_alpha(coverage);
-  const std::vector<std::uint32_t> ids = leave_out_holes(coverage, sources, triangles);
+  std::vector<std::uint32_t> ids = leave_out_holes(coverage, sources, triangles);
   const bool moving = moves(scene, parts);
   const std::vector<bvh::Box> boxes = moving ? list_motion_boxes(whole_object, sources) : std::vector<bvh::Box>{};
 
@@ -265,20 +316,22 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
                                   ids_of_pieces.own, [](std::uint32_t id) { return (id & gpu::kPieceId) != 0; }));
   const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
   bvh::BuildReport report;
-  const bvh::WideTree tree =
-      moving  ? bvh::build(std::span<const bvh::Box>(boxes), {}, &report)
-      : trees ? build_again(triangles, {.quality = quality, .whole = whole}, *trees, number, report)
-              : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole}, &report);
-  if (!triangles.empty()) {
-    object.lo = {report.box.lo.x, report.box.lo.y, report.box.lo.z};
-    object.hi = {report.box.hi.x, report.box.hi.y, report.box.hi.z};
-  }
+  bvh::WideTree own;
+  if (moving)
+    own = bvh::build(std::span<const bvh::Box>(boxes), {}, &report);
+  else if (!trees)
+    own = bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole}, &report);
+  const KeptTree* again =
+      trees && !moving ? &build_again(triangles, {.quality = quality, .whole = whole}, *trees, number) : nullptr;
+  const bvh::WideTree& tree = again ? again->tree : own;
+  if (!triangles.empty()) set_box(again ? again->box : report.box, object);
   triangles = {};
   require_items(scene, first + tree.order.size());
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
     throw Error(scene.path, fmt::format("needs more than {} BVH nodes", bvh::kMaxNodes), "simplify or split the scene");
   object.depth = tree.depth;
-  object.sah_cost = bvh::measure(tree).sah_cost;
+  object.sah_cost = again ? again->sah_cost : bvh::measure(tree).sah_cost;
+  object.node_count = static_cast<std::uint32_t>(tree.nodes.size());
   object.root = append_tree(tree, object.first_item, packed.nodes);
   object.item_count = static_cast<std::uint32_t>(tree.order.size());
 
@@ -289,29 +342,54 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
       object.part_runs.push_back({id, part});
   }
 
+  ObjectTables tables{whole_object, sources, coverage, ids, ids_of_pieces};
   packed.triangles.resize(first + tree.order.size());
   if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
   if (with_sources) packed.sources.resize(first + tree.order.size());
   if (moving) packed.motions.resize(first + tree.order.size());
-  tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
-    const std::uint32_t t = tree.order[i];
-    const TriangleSource& source = sources[t];
-    const Part& part = parts[source.part];
-    const Corners c = find_corners(whole_object, source);
-    const std::uint32_t index = ids.empty() ? t : ids[t];
-    const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
-    const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
-    const std::uint32_t id = ids_of_pieces.own.empty() ? index : ids_of_pieces.own[index];
-    packed.triangles[first + i] = {c.position[0], surface, c.position[1], id, c.position[2], gpu::kNone};
-    if (moving)
-      packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
-                                   c.end[2] - c.position[2], 0u};
-    if (with_sources) packed.sources[first + i] = {part.mesh, source.first_index};
-    if (with_vertices)
-      packed.triangle_vertices[first + i] = {c.vertex[0], c.vertex[1], c.vertex[2],
-                                             source.piece == kNoIndex ? 0u : ids_of_pieces.source[index]};
-  });
+  tables.write(tree, 0, first, packed);
+  if (kept) *kept = {};
+  if (kept && !moving && cut.cut.empty()) {
+    kept->parts.assign(parts.begin(), parts.end());
+    kept->first_triangles = list_first_triangles(parts.size(), sources);
+    kept->intact = std::move(intact);
+    kept->sources = std::move(sources), kept->coverage = std::move(coverage), kept->ids = std::move(ids);
+  }
   return object;
+}
+
+std::optional<std::vector<MovedTriangles>> move_triangles(const Scene& scene, std::span<const Part> parts,
+                                                          const KeptObject& kept,
+                                                          std::span<const std::uint32_t> moved) {
+  const PlacedCut uncut;
+  const ObjectSource object{scene, parts, uncut};
+  std::vector<MovedTriangles> all(moved.size());
+  std::vector<std::uint8_t> fits(moved.size());
+  tbb::parallel_for(std::size_t{0}, moved.size(), [&](std::size_t i) {
+    const std::uint32_t p = moved[i];
+    const Primitive& primitive = scene.meshes[parts[p].mesh].primitives[parts[p].primitive];
+    all[i].first = kept.first_triangles[p];
+    std::uint32_t next = kept.first_triangles[p]; // those that were left out as holes must have an area, too
+    for (std::uint32_t index = 0; index + 2 < primitive.index_count; index += 3) {
+      const TriangleSource source{p, primitive.first_index + index};
+      const Corners c = find_corners(object, source);
+      if (!c.valid) return;
+      if (next == kept.first_triangles[p + 1] || kept.sources[next].first_index != source.first_index) continue;
+      all[i].triangles.push_back({to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])});
+      ++next;
+    }
+    fits[i] = kept.intact[p];
+  });
+  if (std::ranges::find(fits, std::uint8_t{0}) != fits.end()) return std::nullopt;
+  return all;
+}
+
+void write_items(const Scene& scene, const KeptObject& kept, const KeptTree& tree, std::uint32_t first,
+                 PackedScene& packed) {
+  const PlacedCut uncut;
+  const Ids no_pieces;
+  const ObjectTables tables{{scene, kept.parts, uncut}, kept.sources, kept.coverage, kept.ids, no_pieces};
+  tables.write(tree.tree, first, 0, packed);
 }
 
 } // namespace wavepath

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bvh/join.h"
+#include "bvh/measure.h"
 
 namespace wavepath {
 namespace {
@@ -38,63 +39,100 @@ void build_whole(std::span<const bvh::Triangle> triangles, const bvh::BuildConfi
   bvh::BuildReport report;
   kept.tree = bvh::build(triangles, config, &report);
   kept.box = report.box;
+  kept.sah_cost = bvh::measure(kept.tree).sah_cost;
+  kept.is_joined = false;
   built += triangles.size();
+}
+
+// A walk that enters the root of both goes on to each of them as often as their areas say.
+double joined_cost(const KeptTree& kept, const bvh::Box& of_moving, double moving_cost) {
+  const double whole = half_area(kept.box);
+  if (!(whole > 0.0)) return 0.0;
+  return 1.0 + (half_area(kept.still_box) * kept.still_cost + half_area(of_moving) * moving_cost) / whole;
+}
+
+// Builds the trees over kept.triangles that kept.has_moved asks for. `others_move`: some of `still` do. Returns what
+// move_again() does.
+bool build_moved(const bvh::BuildConfig& config, bool others_move, KeptTree& kept, std::uint64_t& built) {
+  const std::span<const bvh::Triangle> triangles = kept.triangles;
+  if (others_move) {
+    kept.still_ones.clear();
+    kept.still = {};
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      if (!kept.has_moved[t]) kept.still_ones.push_back(t);
+  }
+  const std::size_t still = kept.still_ones.size();
+  if (static_cast<double>(still) < kWorthKeeping * static_cast<double>(triangles.size())) {
+    build_whole(triangles, config, kept, built);
+    return false;
+  }
+  const bool goes_on = kept.is_joined && !kept.still.nodes.empty();
+  if (kept.still.nodes.empty()) {
+    bvh::BuildReport of_still;
+    kept.still = build_over(triangles, kept.still_ones, config, of_still);
+    kept.still_box = of_still.box;
+    kept.still_cost = bvh::measure(kept.still).sah_cost;
+    built += still;
+  }
+  std::vector<std::uint32_t> moving;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    if (kept.has_moved[t]) moving.push_back(t);
+  bvh::BuildReport of_moving;
+  const bvh::WideTree tree = build_over(triangles, moving, config, of_moving);
+  built += moving.size();
+  if (std::max(tree.depth, kept.still.depth) >= bvh::kMaxDepth) {
+    build_whole(triangles, config, kept, built);
+    return false;
+  }
+  kept.box = bvh::merge(kept.still_box, of_moving.box);
+  kept.sah_cost = joined_cost(kept, of_moving.box, bvh::measure(tree).sah_cost);
+  const bvh::JoinedTree first{kept.still, kept.still_box, kept.still_ones}, second{tree, of_moving.box, moving};
+  if (goes_on)
+    bvh::join_again(first, second, kept.tree);
+  else
+    kept.tree = bvh::join(first, second);
+  kept.is_joined = true;
+  return goes_on;
+}
+
+// Returns whether it is elsewhere. `others_move` becomes true if it had not moved before.
+bool note_move(const bvh::Triangle& now, std::size_t t, KeptTree& kept, bool& others_move) {
+  if (is_same(now, kept.triangles[t])) return false;
+  kept.triangles[t] = now;
+  others_move |= !kept.has_moved[t];
+  kept.has_moved[t] = 1;
+  return true;
 }
 
 } // namespace
 
-bvh::WideTree build_again(std::span<const bvh::Triangle> triangles, const bvh::BuildConfig& config, KeptTrees& trees,
-                          std::size_t number, bvh::BuildReport& report) {
+const KeptTree& build_again(std::span<const bvh::Triangle> triangles, const bvh::BuildConfig& config, KeptTrees& trees,
+                            std::size_t number) {
   if (trees.of_objects.size() <= number) trees.of_objects.resize(number + 1);
   KeptTree& kept = trees.of_objects[number];
-  std::uint64_t& built = trees.built;
   const bool is_new = kept.tree.nodes.empty() || kept.triangles.size() != triangles.size() ||
                       !std::ranges::equal(kept.whole, config.whole);
-  bool moves = false, others_move = false; // any; and some that had not moved before
   if (is_new) {
     kept = {};
     kept.has_moved.resize(triangles.size());
     kept.whole.assign(config.whole.begin(), config.whole.end());
-  } else {
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      if (is_same(triangles[t], kept.triangles[t])) continue;
-      moves = true;
-      others_move |= !kept.has_moved[t];
-      kept.has_moved[t] = 1;
-    }
+    kept.triangles.assign(triangles.begin(), triangles.end());
+    build_whole(triangles, config, kept, trees.built);
+    return kept;
   }
-  kept.triangles.assign(triangles.begin(), triangles.end());
-  if (is_new || moves) {
-    if (others_move) {
-      kept.still_ones.clear();
-      kept.still = {};
-      for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        if (!kept.has_moved[t]) kept.still_ones.push_back(t);
-    }
-    const std::size_t still = kept.still_ones.size();
-    if (is_new || static_cast<double>(still) < kWorthKeeping * static_cast<double>(triangles.size())) {
-      build_whole(triangles, config, kept, built);
-    } else {
-      bvh::BuildReport of_still, of_moving;
-      if (kept.still.nodes.empty()) {
-        kept.still = build_over(triangles, kept.still_ones, config, of_still);
-        kept.still_box = of_still.box;
-        built += still;
-      }
-      std::vector<std::uint32_t> moving;
-      for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        if (kept.has_moved[t]) moving.push_back(t);
-      const bvh::WideTree tree = build_over(triangles, moving, config, of_moving);
-      built += moving.size();
-      kept.box = bvh::merge(kept.still_box, of_moving.box);
-      if (std::max(tree.depth, kept.still.depth) < bvh::kMaxDepth)
-        kept.tree = bvh::join({kept.still, kept.still_box, kept.still_ones}, {tree, of_moving.box, moving});
-      else
-        build_whole(triangles, config, kept, built);
-    }
-  }
-  report.box = kept.box;
-  return kept.tree;
+  bool moves = false, others_move = false;
+  for (std::size_t t = 0; t < triangles.size(); ++t) moves |= note_move(triangles[t], t, kept, others_move);
+  if (moves) build_moved(config, others_move, kept, trees.built);
+  return kept;
+}
+
+bool move_again(std::span<const MovedTriangles> moved, bvh::Quality quality, KeptTree& kept, std::uint64_t& built) {
+  bool moves = false, others_move = false;
+  for (const MovedTriangles& some : moved)
+    for (std::size_t i = 0; i < some.triangles.size(); ++i)
+      moves |= note_move(some.triangles[i], some.first + i, kept, others_move);
+  if (!moves) return kept.is_joined;
+  return build_moved({.quality = quality, .whole = kept.whole}, others_move, kept, built);
 }
 
 } // namespace wavepath

@@ -16,7 +16,10 @@ struct KeptTree {
   std::vector<std::uint8_t> has_moved;   // by triangle
   std::vector<std::uint32_t> still_ones; // triangles that have not, which `still` is over
   bvh::WideTree tree, still;
-  bvh::Box box, still_box; // of both
+  bvh::Box box, still_box;                 // of both
+  double sah_cost = 0.0, still_cost = 0.0; // of both, see bvh::Measure
+  // `tree` is `still`, whose nodes and items come first, and a tree over the triangles that have moved.
+  bool is_joined = false;
 };
 
 struct KeptTrees {
@@ -26,7 +29,17 @@ struct KeptTrees {
 
 // As bvh::build(), of the object of that number. The tree is another than that of bvh::build() alone, over the same
 // triangles.
-bvh::WideTree build_again(std::span<const bvh::Triangle> triangles, const bvh::BuildConfig& config, KeptTrees& trees,
-                          std::size_t number, bvh::BuildReport& report);
+const KeptTree& build_again(std::span<const bvh::Triangle> triangles, const bvh::BuildConfig& config, KeptTrees& trees,
+                            std::size_t number);
+
+// Triangles of an object from `first` on.
+struct MovedTriangles {
+  std::uint32_t first = 0;
+  std::vector<bvh::Triangle> triangles;
+};
+
+// The same where no other triangle has moved since the last pose. Returns whether all that is new is behind the nodes
+// and items of `kept.still`, but for three nodes.
+bool move_again(std::span<const MovedTriangles> moved, bvh::Quality quality, KeptTree& kept, std::uint64_t& built);
 
 } // namespace wavepath

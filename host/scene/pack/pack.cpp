@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
+#include <tbb/parallel_for.h>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/base/clock.h"
@@ -24,6 +26,9 @@
 
 namespace wavepath {
 namespace {
+
+constexpr const char* kDropped = "triangles without area or with coordinates that are not finite were dropped";
+constexpr const char* kRepaired = "texture coordinates that are not finite were set to zero";
 
 // Tables that the stages of packing geometry share.
 struct Layout {
@@ -56,7 +61,7 @@ void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_ind
 
 // `near`: in the space of the parts. `times`: instances of the object.
 Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& parts, std::span<const glm::dvec3> near,
-                  std::uint64_t times, PackedScene& packed) {
+                  std::uint64_t times, KeptObject* kept, PackedScene& packed) {
   const PlacedCut cut{cut_huge(scene, parts, near), static_cast<std::uint32_t>(packed.cut.pieces),
                       static_cast<std::uint32_t>(layout.usage.vertex_count)};
   packed.cut.triangles += cut.cut.triangles.size();
@@ -69,7 +74,7 @@ Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& p
   list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
   return append_object(scene, parts, cut, *layout.alpha, layout.with_vertices, layout.with_sources, times,
                        layout.quality, layout.memory && layout.memory->keeps_trees ? &layout.memory->trees : nullptr,
-                       layout.objects++, packed);
+                       layout.objects++, kept, packed);
 }
 
 // Of meshes that are shown once.
@@ -93,8 +98,10 @@ std::vector<glm::dvec3> near_in_device(const Layout& layout, const PackedScene& 
 // Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
 Object pack_static(const Scene& scene, Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
   const std::vector<Part> parts = list_static_parts(scene, layout, device_from_world);
+  KeptObject* kept = layout.memory ? &layout.memory->once : nullptr;
+  if (kept) *kept = {};
   if (parts.empty() && layout.usage.two_level()) return {};
-  Object object = pack_parts(scene, layout, parts, near_in_device(layout, packed), 1, packed);
+  Object object = pack_parts(scene, layout, parts, near_in_device(layout, packed), 1, kept, packed);
   for (const PartRun& run : object.part_runs)
     if (packed.node_runs.empty() || packed.node_runs.back().node != parts[run.part].node)
       packed.node_runs.push_back({run.first_id, parts[run.part].node});
@@ -115,18 +122,44 @@ bool has_huge(const Scene& scene, const Layout& layout, const glm::dmat4& device
   return false;
 }
 
-// True if the geometry that was packed last is that of this scene. `traits`: those of its materials.
-bool has_same_geometry(const Scene& scene, const Layout& layout, const std::vector<ShapeTraits>& traits,
-                       const glm::dmat4& device_from_world, const PackedScene& packed) {
+// True if materials show the triangles that were packed last as they do now, around the same origin. `traits`: of them.
+bool has_same_look(const Layout& layout, const std::vector<ShapeTraits>& traits, const PackedScene& packed) {
   const PackMemory& before = *layout.memory;
-  if (!before.is_still || before.packed.origin != packed.origin || before.packed.moves()) return false;
+  if (before.packed.origin != packed.origin || before.packed.moves()) return false;
   if (before.packing.quality != layout.quality || before.traits != traits) return false;
   if (layout.with_sources && !before.packing.sources) return false;
   // Rays look alpha up, of which there may be another.
   const auto asks = [](const ShapeTraits& one) { return one.alpha_mode != AlphaMode::opaque; };
-  if (before.other_images && std::ranges::any_of(traits, asks)) return false;
+  return !(before.other_images && std::ranges::any_of(traits, asks));
+}
+
+// True if the geometry that was packed last is that of this scene.
+bool has_same_geometry(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                       const PackedScene& packed) {
+  const PackMemory& before = *layout.memory;
+  if (!before.is_still) return false;
   if (before.near == layout.near) return true;
   return before.packed.cut.triangles == 0 && !has_huge(scene, layout, device_from_world, packed);
+}
+
+std::vector<ShownMesh> list_shown(const Scene& scene) {
+  std::vector<ShownMesh> shown;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    shown.push_back({instance.mesh, instance.node, mesh.moves() ? 0 : mesh.content, instance.world_from_object});
+  }
+  return shown;
+}
+
+// True if the scene shows the meshes that were packed last, maybe elsewhere, and none of them is cut.
+bool has_same_meshes(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                     const PackedScene& packed) {
+  const PackMemory& before = *layout.memory;
+  const auto same = [](const ShownMesh& a, const ShownMesh& b) {
+    return a.content != 0 && a.mesh == b.mesh && a.node == b.node && a.content == b.content;
+  };
+  return std::ranges::equal(before.shown, list_shown(scene), same) && before.packed.cut.triangles == 0 &&
+         !has_huge(scene, layout, device_from_world, packed);
 }
 
 bool any_shines(const Scene& scene, const Usage& usage) {
@@ -210,11 +243,31 @@ void take_geometry(PackMemory& memory, PackedScene& packed) {
   packed.sah_cost = before.sah_cost;
 }
 
+// The top level over objects: the first one where it is, the others where instances show them. `centres`: by mesh, what
+// has become the object's zero. Returns by instance its object.
+std::vector<std::uint32_t> place_objects(Scene& scene, const glm::dmat4& device_from_world,
+                                         std::span<const Object> objects, std::span<const std::uint32_t> object_of_mesh,
+                                         std::span<const glm::dvec3> centres, PackedScene& packed) {
+  std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (object_of_mesh[instance.mesh] != kNoIndex)
+      placements.push_back({object_of_mesh[instance.mesh],
+                            glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh]),
+                            instance.node, i});
+  }
+
+  std::size_t skipped = 0;
+  std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
+  if (skipped > 0)
+    scene.warnings.add("instances too large, too far or too small for single precision were dropped", skipped);
+  return object_of;
+}
+
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
 // Where an instance is cut, the object's zero is where the eye is to the nearest one: floats are finest there.
 std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const glm::dmat4& device_from_world,
                                           PackedScene& packed, std::vector<Object>& objects) {
-  std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
   std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
   std::vector<glm::dvec3> centres(scene.meshes.size(), glm::dvec3(0.0)); // in the mesh, what becomes the object's zero
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
@@ -229,21 +282,9 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const gl
       for (glm::dvec3& p : near) p -= centres[m];
     }
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(pack_parts(scene, layout, parts, near, layout.usage.mesh_instances[m], packed));
+    objects.push_back(pack_parts(scene, layout, parts, near, layout.usage.mesh_instances[m], nullptr, packed));
   }
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    if (object_of_mesh[instance.mesh] != kNoIndex)
-      placements.push_back({object_of_mesh[instance.mesh],
-                            glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh]),
-                            instance.node, i});
-  }
-
-  std::size_t skipped = 0;
-  std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
-  if (skipped > 0)
-    scene.warnings.add("instances too large, too far or too small for single precision were dropped", skipped);
-  return object_of;
+  return place_objects(scene, device_from_world, objects, object_of_mesh, centres, packed);
 }
 
 // Instances of one object that follow each other become one draw. `object_of`: by instance, of a two-level scene.
@@ -339,10 +380,125 @@ void pack_geometry(Scene& scene, Layout& layout, const glm::dmat4& device_from_w
     scene.warnings.add(
         "triangles that are huge beside their distance to the eye were cut less finely than they should "
         "be, as there are so many");
-  if (packed.dropped_triangles > 0)
-    scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
-                       packed.dropped_triangles);
-  pack_vertices(scene, layout.usage, streams, layout.cut_vertices, packed);
+  if (packed.dropped_triangles > 0) scene.warnings.add(kDropped, packed.dropped_triangles);
+  const std::size_t repaired = pack_vertices(scene, layout.usage, streams, layout.cut_vertices, packed);
+  if (repaired > 0) scene.warnings.add(kRepaired, repaired);
+  if (layout.memory) layout.memory->repaired_uvs = repaired;
+}
+
+// The parts that were packed last where they are now, and which of them are elsewhere.
+std::vector<Part> list_moved_parts(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                                   std::vector<std::uint32_t>& moved) {
+  std::vector<Part> parts = layout.memory->once.parts;
+  std::vector<const glm::dmat4*> places(scene.meshes.size());
+  for (const Instance& instance : scene.instances) places[instance.mesh] = &instance.world_from_object;
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const glm::dmat4 now = device_from_world * *places[parts[p].mesh];
+    if (now == parts[p].device_from_object) continue;
+    parts[p].device_from_object = now;
+    parts[p].mirrored = glm::determinant(glm::dmat3(now)) < 0.0;
+    moved.push_back(p);
+  }
+  return parts;
+}
+
+// Gives the first object of `nodes` those of `tree`, and moves the nodes of the others.
+void replace_nodes(const bvh::WideTree& tree, std::vector<Object>& objects, std::vector<bvh::WideNode>& nodes) {
+  const std::uint32_t before = objects[0].node_count, now = static_cast<std::uint32_t>(tree.nodes.size());
+  const std::ptrdiff_t common = std::min(before, now);
+  if (now < before)
+    nodes.erase(nodes.begin() + common, nodes.begin() + before);
+  else
+    nodes.insert(nodes.begin() + common, now - before, bvh::WideNode{});
+  for (std::size_t n = now; n < nodes.size(); ++n) nodes[n].first_child += now - before;
+  for (std::size_t i = 1; i < objects.size(); ++i) objects[i].root += now - before;
+  objects[0].node_count = now;
+  std::ranges::copy(tree.nodes, nodes.begin());
+}
+
+// Packs meshes that are shown once and are elsewhere now into the geometry that was packed last.
+void replace_moved(const Scene& scene, const Layout& layout, const KeptTree& tree, bool goes_on,
+                   std::span<const std::uint32_t> moved, PackedScene& packed) {
+  PackMemory& memory = *layout.memory;
+  Object& object = memory.objects[0];
+  const std::size_t old_items = object.item_count, items = tree.tree.order.size();
+  replace_nodes(tree.tree, memory.objects, packed.nodes);
+  if (items != old_items) { // there is one object only
+    packed.triangles.resize(items);
+    if (!packed.triangle_vertices.empty()) packed.triangle_vertices.resize(items);
+    if (!packed.sources.empty()) packed.sources.resize(items);
+  }
+  const std::size_t first = goes_on ? tree.still.order.size() : 0;
+  write_items(scene, memory.once, tree, static_cast<std::uint32_t>(first), packed);
+  object.item_count = static_cast<std::uint32_t>(items);
+  object.depth = tree.tree.depth;
+  object.sah_cost = tree.sah_cost;
+  object.lo = {tree.box.lo.x, tree.box.lo.y, tree.box.lo.z};
+  object.hi = {tree.box.hi.x, tree.box.hi.y, tree.box.hi.z};
+  memory.kept.moved_triangles = {first, items - first};
+  const Streams streams = needed_streams(scene, layout.usage);
+  std::uint32_t last = kNoIndex;
+  for (const std::uint32_t p : moved) {
+    const std::uint32_t mesh = memory.once.parts[p].mesh;
+    if (std::exchange(last, mesh) == mesh) continue; // another primitive of it
+    for (const Instance& instance : scene.instances)
+      if (instance.mesh == mesh)
+        pack_moved_vertices(scene, layout.usage, streams, mesh, instance.world_from_object, packed);
+    if (!streams.normals) continue;
+    const ArrayRange range{layout.usage.first_vertex[mesh], scene.meshes[mesh].positions.size()};
+    memory.kept.moved_vertices.push_back(range);
+    if (streams.layer_tangents)
+      memory.kept.moved_vertices.push_back({packed.layer_tangents + range.first, range.count});
+  }
+}
+
+// Of the geometry that was packed last, where nothing but places is other than then, takes over what stays, and packs
+// the rest. False if that does not do, and nothing was taken over.
+bool move_geometry(Scene& scene, const Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
+  PackMemory& memory = *layout.memory;
+  const auto start = Clock::now();
+  const bool two_level = layout.usage.two_level();
+  std::vector<std::uint32_t> moved;
+  std::vector<Part> parts = list_moved_parts(scene, layout, device_from_world, moved);
+  bool goes_on = true;
+  if (!moved.empty()) {
+    const std::optional<std::vector<MovedTriangles>> triangles = move_triangles(scene, parts, memory.once, moved);
+    if (!triangles) return false;
+    KeptTree& tree = memory.trees.of_objects[0];
+    goes_on = move_again(*triangles, layout.quality, tree, memory.trees.built);
+    const std::size_t items = tree.tree.order.size(), nodes = tree.tree.nodes.size();
+    if (two_level && items != memory.objects[0].item_count) return false; // others lie behind them
+    if (items > bvh::kMaxItems || memory.packed.nodes.size() + nodes > bvh::kMaxNodes) return false;
+  }
+  take_geometry(memory, packed);
+  memory.once.parts = std::move(parts);
+  if (two_level) packed.nodes.resize(packed.root); // the top level comes last
+  if (!moved.empty()) replace_moved(scene, layout, memory.trees.of_objects[0], goes_on, moved, packed);
+  if (memory.shone) {
+    tbb::parallel_for(std::size_t{0}, packed.triangles.size(),
+                      [&](std::size_t i) { packed.triangles[i].light = gpu::kNone; });
+    memory.kept.moved_triangles = {0, packed.triangles.size()};
+  }
+  if (two_level) {
+    std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
+    std::uint32_t next = 1;
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
+      if (layout.usage.mesh_instances[m] > 1) object_of_mesh[m] = next++;
+    packed.instances.clear(), packed.instance_nodes.clear(), packed.instance_sources.clear();
+    packed.once_instance = kNoIndex;
+    const std::vector<glm::dvec3> centres(scene.meshes.size(), glm::dvec3(0.0)); // nothing is cut
+    memory.object_of = place_objects(scene, device_from_world, memory.objects, object_of_mesh, centres, packed);
+    packed.triangle_count = 0;
+    for (const std::uint32_t object : memory.object_of) packed.triangle_count += memory.objects[object].source_count;
+  } else {
+    packed.stack_size = memory.objects[0].depth;
+  }
+  packed.draws = list_draws(packed, memory.objects, memory.object_of);
+  packed.sah_cost = std::ranges::max_element(memory.objects, {}, &Object::triangle_count)->sah_cost;
+  packed.bvh_seconds = seconds_since(start);
+  if (packed.dropped_triangles > 0) scene.warnings.add(kDropped, packed.dropped_triangles);
+  if (memory.repaired_uvs > 0) scene.warnings.add(kRepaired, memory.repaired_uvs);
+  return true;
 }
 
 // `memory`: null where nothing is remembered.
@@ -368,7 +524,10 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   KeptParts& kept = before.kept;
   const bool same_uses = before.has_packed && before.material_used == layout.usage.material_used;
   const bool same_look_up = before.packing.mips == packing.mips && before.packing.samplers == packing.samplers;
-  const bool same_materials = same_uses && same_look_up && !before.other_materials && !before.other_images;
+  // Of bodies that overlap, the size decides which one counts.
+  const bool same_bodies = before.is_still || std::ranges::none_of(scene.materials, is_body);
+  const bool same_materials =
+      same_uses && same_look_up && same_bodies && !before.other_materials && !before.other_images;
   kept.environment = before.has_packed && !before.other_environment && before.packing.direct == packing.direct;
   if (same_materials) {
     kept.textures = true;
@@ -402,10 +561,13 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   } else {
     before.traits = traits;
   }
-  kept.geometry = same_uses && has_same_geometry(scene, layout, traits, device_from_world, packed);
+  const bool same_look = same_uses && has_same_look(layout, traits, packed);
+  kept.geometry = same_look && has_same_geometry(scene, layout, device_from_world, packed);
+  kept.places = same_look && !kept.geometry && has_same_meshes(scene, layout, device_from_world, packed) &&
+                move_geometry(scene, layout, device_from_world, packed);
   if (kept.geometry)
     take_geometry(before, packed);
-  else
+  else if (!kept.places)
     pack_geometry(scene, layout, device_from_world, before.objects, before.object_of, packed);
   const bool shines = any_shines(scene, layout.usage);
   kept.lights = kept.geometry && kept.environment && before.packing.direct == packing.direct &&
@@ -449,6 +611,7 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
     memory->traits = std::move(traits);
     memory->lights = scene.lights;
     memory->shone = shines;
+    memory->shown = list_shown(scene);
   }
   return packed;
 }

@@ -13,13 +13,21 @@
 
 namespace wavepath {
 
+struct ArrayRange {
+  std::size_t first = 0, count = 0;
+};
+
 // What the scene packed last has taken over from the one before.
 struct KeptParts {
   bool textures = false;
   bool environment = false;
   bool surfaces = false; // materials, textures and the environment
   bool geometry = false; // triangles, vertices and the tree, but for what follows
-  bool marks = false;    // in triangles and instances, which lights they are
+  // The same, but for the nodes, instances, and these triangles and vertices, which are elsewhere.
+  bool places = false;
+  ArrayRange moved_triangles;
+  std::vector<ArrayRange> moved_vertices; // of normals
+  bool marks = false;                     // in triangles and instances, which lights they are
   bool lights = false;
 };
 
@@ -33,6 +41,13 @@ struct ShapeTraits {
   bool operator==(const ShapeTraits&) const = default;
 };
 ShapeTraits shape_traits(const Material& material);
+
+// An instance of a mesh.
+struct ShownMesh {
+  std::uint32_t mesh = 0, node = kNoIndex;
+  std::uint64_t content = 0; // of the mesh
+  glm::dmat4 world_from_object{1.0};
+};
 
 struct PackMemory {
   // The scene packed last: whoever packs again moves it here.
@@ -55,6 +70,9 @@ struct PackMemory {
   std::vector<PunctualLight> lights;
   bool shone = false; // some material did
   std::vector<Object> objects;
+  KeptObject once;              // of the meshes that are shown once
+  std::vector<ShownMesh> shown; // by instance
+  std::size_t repaired_uvs = 0; // see pack_vertices()
   std::vector<std::uint32_t> object_of;
   std::vector<glm::dvec3> near;
   KeptTrees trees;

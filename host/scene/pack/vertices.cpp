@@ -202,8 +202,21 @@ void list_cut_vertices(const Scene& scene, std::span<const Part> parts, const Cu
   }
 }
 
-void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, std::span<const CutVertex> cut,
-                   PackedScene& packed) {
+void pack_moved_vertices(const Scene& scene, const Usage& usage, const Streams& streams, std::uint32_t index,
+                         const glm::dmat4& world_from_object, PackedScene& packed) {
+  if (!streams.normals) return;
+  const Mesh& mesh = scene.meshes[index];
+  const std::uint32_t first = usage.first_vertex[index];
+  const std::size_t count = mesh.positions.size();
+  const glm::dmat3 linear(world_from_object);
+  pack_normals(mesh.normals, mesh.tangents, count, linear, first, packed.vertex_normals);
+  if (streams.layer_tangents)
+    pack_layer_tangents(mesh.layer_tangents, mesh.tangents, count, linear, 0,
+                        packed.vertex_normals.data() + first + packed.layer_tangents);
+}
+
+std::size_t pack_vertices(const Scene& scene, const Usage& usage, const Streams& streams,
+                          std::span<const CutVertex> cut, PackedScene& packed) {
   const std::size_t vertex_count = usage.vertex_count + cut.size();
   if (vertex_count > kNoIndex)
     throw Error(scene.path, "has more than 4294967295 vertices", "simplify or split the scene");
@@ -259,7 +272,7 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, std
     if (streams.colors)
       packed.vertex_colors[usage.vertex_count + i] = glm::vec4(blend(scene, usage, cut[i], packed.vertex_colors));
   }
-  if (repaired > 0) scene.warnings.add("texture coordinates that are not finite were set to zero", repaired);
+  return repaired;
 }
 
 } // namespace wavepath

@@ -29,10 +29,14 @@ struct CutVertex {
 // Fills packed.vertex_normals (in a scene that moves twice: open shutter, closed shutter; then packed tangents of coat
 // and grain, open and closed, where layers have their own), vertex_uvs and vertex_colors. Normals and tangents of
 // meshes that are shown once are turned into world space (normals by the inverse transpose), those of shared meshes
-// stay as they are. A normal that is not finite becomes zero; a texture coordinate that is not finite becomes zero,
-// with a warning. Behind the vertices of the meshes stand those of `cut`.
-void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, std::span<const CutVertex> cut,
-                   PackedScene& packed);
+// stay as they are. A normal that is not finite becomes zero, and so does a texture coordinate; returns the number
+// of these. Behind the vertices of the meshes stand those of `cut`.
+std::size_t pack_vertices(const Scene& scene, const Usage& usage, const Streams& streams,
+                          std::span<const CutVertex> cut, PackedScene& packed);
+
+// The same of one mesh that is shown once, elsewhere than when the rest was packed. Nothing moves, and nothing was cut.
+void pack_moved_vertices(const Scene& scene, const Usage& usage, const Streams& streams, std::uint32_t mesh,
+                         const glm::dmat4& world_from_object, PackedScene& packed);
 
 // The vertices of all pieces, three each.
 void list_cut_vertices(const Scene& scene, std::span<const Part> parts, const Cut& cut, std::vector<CutVertex>& list);

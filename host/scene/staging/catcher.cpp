@@ -68,6 +68,7 @@ void add_catcher(Scene& scene, const std::string& node) {
     if (!copies.empty() && mesh >= copies.front().second) continue;
     copies.emplace_back(mesh, static_cast<std::uint32_t>(scene.meshes.size()));
     Mesh caught = scene.meshes[mesh];
+    caught.content = 0;
     for (Primitive& primitive : caught.primitives) {
       std::uint32_t& material = own[primitive.material];
       if (material == kNoIndex) {
