@@ -74,11 +74,12 @@ std::string write_room(const TempFolder& folder, const std::string& name, const 
                       {"doubleSided", true},
                       {"pbrMetallicRoughness", {{"roughnessFactor", room.floor_roughness}, {"metallicFactor", 0.0}}}});
   b.add("materials", own);
+  const int normals = b.floats("VEC3", {0, 1, 0, 0.6f, 0.8f, 0, 0, 0.8f, 0.6f, 0, 0.6f, 0.8f});
   const auto mesh = [&](int points, int material) {
-    return b.add("meshes", {{"primitives",
-                             {{{"attributes", {{"POSITION", points}, {"TEXCOORD_0", uvs}}},
-                               {"indices", indices},
-                               {"material", material}}}}});
+    nlohmann::json attributes = {{"POSITION", points}, {"TEXCOORD_0", uvs}};
+    if (points == small) attributes["NORMAL"] = normals;
+    return b.add("meshes",
+                 {{"primitives", {{{"attributes", attributes}, {"indices", indices}, {"material", material}}}}});
   };
   const int floor = mesh(positions, 0), lid = mesh(small, 1), shared = mesh(small, 0);
   b.add("nodes", {{"name", "floor"}, {"mesh", floor}, {"scale", {room.floor_scale, 1, room.floor_scale}}});
@@ -252,6 +253,31 @@ TEST_F(SessionTest, AMatrixOfAnInstance) {
       [](Session& session) { session.set_matrix(kTwin, Room{}.twin); });
 }
 
+// Of a scene with instances and of one without.
+TEST_F(SessionTest, AMatrixTakesOverWhatDoesNotMove) {
+  for (const bool shows_twin : {true, false}) {
+    Room room;
+    room.shows_twin = shows_twin;
+    const SessionRequest wanted = request(room);
+    Session session(wanted);
+    bits(session, wanted.render);
+    for (int step = 0; step < 4; ++step) {
+      room.own = Room::place(0.1 * (step + 1));
+      room.own[1] = {0.1 * step, 0.8, 0.1, 0.0};
+      session.set_matrix(kOwn, room.own);
+      const SessionUpdate update = session.update();
+      EXPECT_FALSE(update.kept_geometry);
+      EXPECT_TRUE(update.kept_shapes);
+      EXPECT_EQ(update.built_triangles, step == 0 ? 4u + 2u * !shows_twin : 2u); // the others that stay, once
+      EXPECT_EQ(bits(session, wanted.render), alone(room)) << step;
+    }
+    session.set_visible(kOwn, false);
+    EXPECT_FALSE(session.update().kept_shapes);
+    room.shows_own = false;
+    EXPECT_EQ(bits(session, wanted.render), alone(room));
+  }
+}
+
 TEST_F(SessionTest, VisibilityOfNodes) {
   Room other;
   other.shows_own = false;
@@ -275,8 +301,9 @@ TEST_F(SessionTest, AMeshThatIsAdded) {
         AddedMesh added;
         added.name = "more";
         added.mesh.positions = {{-.4f, 0, .4f}, {.4f, 0, .4f}, {.4f, 0.2f, -.4f}, {-.4f, 0.2f, -.4f}};
+        added.mesh.normals = {{0, 1, 0}, {0.6f, 0.8f, 0}, {0, 0.8f, 0.6f}, {0, 0.6f, 0.8f}};
         added.mesh.indices = {0, 1, 2, 0, 2, 3};
-        added.mesh.primitives = {{0, 6, kOwnMaterial, false}};
+        added.mesh.primitives = {{0, 6, kOwnMaterial, true}};
         added.world_from_object = Room::place(1.0);
         node = session.add_mesh(added);
         session.set_matrix(node, Room::place(2.0));
