@@ -96,6 +96,12 @@ int run_all(const std::string& path, std::size_t node, const std::string& map) {
     matrix[3].x += 0.01;
     session.set_matrix(node, matrix);
   });
+  measure(session, render, "other matrix", [&](int i) { // of a node that has not moved
+    const std::size_t other = (node + 1 + static_cast<std::size_t>(i)) % session.scene().node_names.size();
+    glm::dmat4 moved = session.matrix(other);
+    moved[3].x += 0.01;
+    session.set_matrix(other, moved);
+  });
   measure(session, render, "visible", [&](int i) { session.set_visible(node, i % 2 != 0); });
   session.set_visible(node, true);
   measure(session, render, "emission", [&](int i) {

@@ -9,6 +9,10 @@ namespace wavepath::bvh {
 
 namespace {
 
+std::uint32_t item_of(const JoinedTree& part, std::uint32_t item) {
+  return part.items.empty() ? item : part.items[item];
+}
+
 // `children`: from a node of the tree to the one in the joined tree, for all but the root.
 WideNode moved(WideNode node, std::uint32_t children, std::uint32_t items) {
   node.first_child += children;
@@ -24,7 +28,7 @@ WideTree join(const JoinedTree& first, const JoinedTree& second) {
   joined.order.reserve(first.tree.order.size() + second.tree.order.size());
   joined.nodes.resize(3); // the roots side by side, then what is below the first one, then what is below the second
   for (std::size_t i = 1; i < first.tree.nodes.size(); ++i) joined.nodes.push_back(moved(first.tree.nodes[i], 2, 0));
-  for (const std::uint32_t item : first.tree.order) joined.order.push_back(first.items[item]);
+  for (const std::uint32_t item : first.tree.order) joined.order.push_back(item_of(first, item));
   join_again(first, second, joined);
   return joined;
 }
@@ -45,7 +49,7 @@ void join_again(const JoinedTree& first, const JoinedTree& second, WideTree& joi
   for (std::size_t i = 1; i < second.tree.nodes.size(); ++i)
     joined.nodes.push_back(moved(second.tree.nodes[i], 2 + inner, items));
   joined.order.resize(items);
-  for (const std::uint32_t item : second.tree.order) joined.order.push_back(second.items[item]);
+  for (const std::uint32_t item : second.tree.order) joined.order.push_back(item_of(second, item));
 }
 
 } // namespace wavepath::bvh

@@ -9,7 +9,7 @@
 
 namespace wavepath::bvh {
 
-// One of two trees: its box, and by its own items what these are in the tree that comes of both.
+// One of two trees: its box, and by its own items what these are in the tree that comes of both (empty: the same).
 struct JoinedTree {
   const WideTree& tree;
   Box box;

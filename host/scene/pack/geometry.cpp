@@ -2,6 +2,7 @@
 #include "host/scene/pack/geometry.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -235,8 +236,16 @@ struct ObjectTables {
 
   // The items of `tree` from `begin` on. `first`: where the object begins in the arrays of `packed`, which have room.
   void write(const bvh::WideTree& tree, std::size_t begin, std::size_t first, PackedScene& packed) const {
+    write_some(tree, begin, first, packed, [](std::size_t, std::uint32_t) { return true; });
+  }
+
+  // Those for which asks(item, triangle) is true.
+  template <class Asks>
+  void write_some(const bvh::WideTree& tree, std::size_t begin, std::size_t first, PackedScene& packed,
+                  const Asks& asks) const {
     tbb::parallel_for(begin, tree.order.size(), [&](std::size_t i) {
       const std::uint32_t t = tree.order[i];
+      if (!asks(i, t)) return;
       const TriangleSource& source = sources[t];
       const Part& part = object.parts[source.part];
       const Corners c = find_corners(object, source);
@@ -390,6 +399,37 @@ void write_items(const Scene& scene, const KeptObject& kept, const KeptTree& tre
   const Ids no_pieces;
   const ObjectTables tables{{scene, kept.parts, uncut}, kept.sources, kept.coverage, kept.ids, no_pieces};
   tables.write(tree.tree, first, 0, packed);
+}
+
+void rearrange_items(const Scene& scene, const KeptObject& kept, const KeptTree& tree,
+                     std::span<const std::uint32_t> moved, PackedScene& packed) {
+  std::vector<std::uint8_t> has_moved(kept.parts.size(), 0);
+  for (const std::uint32_t part : moved) has_moved[part] = 1;
+  std::vector<std::uint32_t> places(kept.sources.size(), kNoIndex); // of one of its copies, by triangle
+  for (std::uint32_t i = 0; i < tree.former.size(); ++i) places[tree.former[i]] = i;
+  const std::size_t before = tree.former.size(), now = tree.tree.order.size();
+  const auto resized = [&](const auto& values) { // with what lies behind the object
+    std::remove_cvref_t<decltype(values)> others;
+    if (values.empty()) return others;
+    others.resize(values.size() - before + now);
+    std::copy(values.begin() + static_cast<std::ptrdiff_t>(before), values.end(),
+              others.begin() + static_cast<std::ptrdiff_t>(now));
+    return others;
+  };
+  const std::vector<gpu::Triangle> triangles = std::exchange(packed.triangles, resized(packed.triangles));
+  const std::vector<glm::uvec4> vertices = std::exchange(packed.triangle_vertices, resized(packed.triangle_vertices));
+  const std::vector<SourceTriangle> sources = std::exchange(packed.sources, resized(packed.sources));
+  const PlacedCut uncut;
+  const Ids no_pieces;
+  const ObjectTables tables{{scene, kept.parts, uncut}, kept.sources, kept.coverage, kept.ids, no_pieces};
+  tables.write_some(tree.tree, 0, 0, packed, [&](std::size_t i, std::uint32_t t) {
+    const std::uint32_t place = places[t];
+    if (place == kNoIndex || has_moved[kept.sources[t].part]) return true;
+    packed.triangles[i] = triangles[place];
+    if (!sources.empty()) packed.sources[i] = sources[place];
+    if (!vertices.empty()) packed.triangle_vertices[i] = vertices[place];
+    return false;
+  });
 }
 
 } // namespace wavepath

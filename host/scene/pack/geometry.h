@@ -77,10 +77,13 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
 std::optional<std::vector<MovedTriangles>> move_triangles(const Scene& scene, std::span<const Part> parts,
                                                           const KeptObject& kept, std::span<const std::uint32_t> moved);
 
-// Writes an object of packed.triangles again, from item `first` on, of which there are object.item_count in the order
-// of `tree`. It has no pieces and does not move.
+// Writes the first object of packed.triangles again, from item `first` on. It has no pieces and does not move.
 void write_items(const Scene& scene, const KeptObject& kept, const KeptTree& tree, std::uint32_t first,
                  PackedScene& packed);
+
+// The same of all items, which lay in the order of `tree.former`. Triangles of parts that have not `moved` are copied.
+void rearrange_items(const Scene& scene, const KeptObject& kept, const KeptTree& tree,
+                     std::span<const std::uint32_t> moved, PackedScene& packed);
 
 // Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);

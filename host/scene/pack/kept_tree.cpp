@@ -4,14 +4,20 @@
 #include <algorithm>
 #include <vector>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include "bvh/join.h"
 #include "bvh/measure.h"
+#include "bvh/prune.h"
 
 namespace wavepath {
 namespace {
 
 // Where less than this part of an object has stayed, one tree over all is as soon built, and is sooner walked.
 constexpr double kWorthKeeping = 0.125;
+// Where more than this part has moved, but rests when others begin to move, one tree over all is built anew.
+constexpr double kMostResting = 0.125;
 
 bool is_same(const bvh::Vec3& a, const bvh::Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
@@ -41,6 +47,8 @@ void build_whole(std::span<const bvh::Triangle> triangles, const bvh::BuildConfi
   kept.box = report.box;
   kept.sah_cost = bvh::measure(kept.tree).sah_cost;
   kept.is_joined = false;
+  kept.still = {};
+  kept.has_moved.assign(triangles.size(), 0);
   built += triangles.size();
 }
 
@@ -51,28 +59,39 @@ double joined_cost(const KeptTree& kept, const bvh::Box& of_moving, double movin
   return 1.0 + (half_area(kept.still_box) * kept.still_cost + half_area(of_moving) * moving_cost) / whole;
 }
 
-// Builds the trees over kept.triangles that kept.has_moved asks for. `others_move`: some of `still` do. Returns what
-// move_again() does.
-bool build_moved(const bvh::BuildConfig& config, bool others_move, KeptTree& kept, std::uint64_t& built) {
+// Of the triangles that have not moved, to the bit as a build finds it.
+bvh::Box still_box(const KeptTree& kept) {
+  const auto add = [&](const tbb::blocked_range<std::size_t>& range, bvh::Box box) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      if (kept.has_moved[t]) continue;
+      const bvh::Box one = bounds(kept.triangles[t]);
+      if (is_valid(one)) box = merge(box, one);
+    }
+    return box;
+  };
+  const auto both = [](const bvh::Box& a, const bvh::Box& b) { return merge(a, b); };
+  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, kept.triangles.size()), bvh::Box{}, add, both);
+}
+
+// Builds the trees over kept.triangles that kept.has_moved asks for. `moves`: how many are elsewhere; `others_move`:
+// some of them had not moved before. Returns what move_again() does.
+bool build_moved(const bvh::BuildConfig& config, std::size_t moves, bool others_move, KeptTree& kept,
+                 std::uint64_t& built) {
   const std::span<const bvh::Triangle> triangles = kept.triangles;
-  if (others_move) {
-    kept.still_ones.clear();
-    kept.still = {};
-    for (std::uint32_t t = 0; t < triangles.size(); ++t)
-      if (!kept.has_moved[t]) kept.still_ones.push_back(t);
-  }
-  const std::size_t still = kept.still_ones.size();
-  if (static_cast<double>(still) < kWorthKeeping * static_cast<double>(triangles.size())) {
+  const auto part = [&](double fraction) { return fraction * static_cast<double>(triangles.size()); };
+  const auto moved = static_cast<std::size_t>(std::ranges::count(kept.has_moved, std::uint8_t{1}));
+  const bool rest = others_move && static_cast<double>(moved - moves) > part(kMostResting);
+  kept.former = {};
+  if (static_cast<double>(triangles.size() - moved) < part(kWorthKeeping) || rest) {
+    kept.former = std::move(kept.tree.order);
     build_whole(triangles, config, kept, built);
     return false;
   }
-  const bool goes_on = kept.is_joined && !kept.still.nodes.empty();
-  if (kept.still.nodes.empty()) {
-    bvh::BuildReport of_still;
-    kept.still = build_over(triangles, kept.still_ones, config, of_still);
-    kept.still_box = of_still.box;
+  const bool goes_on = kept.is_joined && !others_move;
+  if (others_move) {
+    kept.still = bvh::prune(kept.still.nodes.empty() ? kept.tree : kept.still, kept.has_moved);
+    kept.still_box = still_box(kept);
     kept.still_cost = bvh::measure(kept.still).sah_cost;
-    built += still;
   }
   std::vector<std::uint32_t> moving;
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
@@ -80,17 +99,21 @@ bool build_moved(const bvh::BuildConfig& config, bool others_move, KeptTree& kep
   bvh::BuildReport of_moving;
   const bvh::WideTree tree = build_over(triangles, moving, config, of_moving);
   built += moving.size();
-  if (std::max(tree.depth, kept.still.depth) >= bvh::kMaxDepth) {
+  const bool is_empty = tree.order.empty() || kept.still.order.empty(); // beyond the largest coordinates
+  if (is_empty || std::max(tree.depth, kept.still.depth) >= bvh::kMaxDepth) {
+    kept.former = std::move(kept.tree.order);
     build_whole(triangles, config, kept, built);
     return false;
   }
   kept.box = bvh::merge(kept.still_box, of_moving.box);
   kept.sah_cost = joined_cost(kept, of_moving.box, bvh::measure(tree).sah_cost);
-  const bvh::JoinedTree first{kept.still, kept.still_box, kept.still_ones}, second{tree, of_moving.box, moving};
-  if (goes_on)
+  const bvh::JoinedTree first{kept.still, kept.still_box, {}}, second{tree, of_moving.box, moving};
+  if (goes_on) {
     bvh::join_again(first, second, kept.tree);
-  else
+  } else {
+    kept.former = std::move(kept.tree.order);
     kept.tree = bvh::join(first, second);
+  }
   kept.is_joined = true;
   return goes_on;
 }
@@ -114,25 +137,29 @@ const KeptTree& build_again(std::span<const bvh::Triangle> triangles, const bvh:
                       !std::ranges::equal(kept.whole, config.whole);
   if (is_new) {
     kept = {};
-    kept.has_moved.resize(triangles.size());
     kept.whole.assign(config.whole.begin(), config.whole.end());
     kept.triangles.assign(triangles.begin(), triangles.end());
     build_whole(triangles, config, kept, trees.built);
     return kept;
   }
-  bool moves = false, others_move = false;
-  for (std::size_t t = 0; t < triangles.size(); ++t) moves |= note_move(triangles[t], t, kept, others_move);
-  if (moves) build_moved(config, others_move, kept, trees.built);
+  std::size_t moves = 0;
+  bool others_move = false;
+  for (std::size_t t = 0; t < triangles.size(); ++t) moves += note_move(triangles[t], t, kept, others_move);
+  if (moves > 0) build_moved(config, moves, others_move, kept, trees.built);
   return kept;
 }
 
 bool move_again(std::span<const MovedTriangles> moved, bvh::Quality quality, KeptTree& kept, std::uint64_t& built) {
-  bool moves = false, others_move = false;
+  std::size_t moves = 0;
+  bool others_move = false;
   for (const MovedTriangles& some : moved)
     for (std::size_t i = 0; i < some.triangles.size(); ++i)
-      moves |= note_move(some.triangles[i], some.first + i, kept, others_move);
-  if (!moves) return kept.is_joined;
-  return build_moved({.quality = quality, .whole = kept.whole}, others_move, kept, built);
+      moves += note_move(some.triangles[i], some.first + i, kept, others_move);
+  if (moves == 0) {
+    kept.former = {};
+    return kept.is_joined;
+  }
+  return build_moved({.quality = quality, .whole = kept.whole}, moves, others_move, kept, built);
 }
 
 } // namespace wavepath

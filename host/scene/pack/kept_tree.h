@@ -11,11 +11,11 @@ namespace wavepath {
 
 // The tree over an object's triangles in its last pose, and over those that have not moved so far.
 struct KeptTree {
-  std::vector<bvh::Triangle> triangles;  // of the last pose, in the order of the source
-  std::vector<std::uint8_t> whole;       // as bvh::BuildConfig has it
-  std::vector<std::uint8_t> has_moved;   // by triangle
-  std::vector<std::uint32_t> still_ones; // triangles that have not, which `still` is over
-  bvh::WideTree tree, still;
+  std::vector<bvh::Triangle> triangles;    // of the last pose, in the order of the source
+  std::vector<std::uint8_t> whole;         // as bvh::BuildConfig has it
+  std::vector<std::uint8_t> has_moved;     // by triangle, since a tree over all was built
+  bvh::WideTree tree, still;               // still: over those that have not moved; without nodes before any has
+  std::vector<std::uint32_t> former;       // order of the tree before, where all items have other places now
   bvh::Box box, still_box;                 // of both
   double sah_cost = 0.0, still_cost = 0.0; // of both, see bvh::Measure
   // `tree` is `still`, whose nodes and items come first, and a tree over the triangles that have moved.

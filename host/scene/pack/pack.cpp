@@ -423,13 +423,17 @@ void replace_moved(const Scene& scene, const Layout& layout, const KeptTree& tre
   Object& object = memory.objects[0];
   const std::size_t old_items = object.item_count, items = tree.tree.order.size();
   replace_nodes(tree.tree, memory.objects, packed.nodes);
-  if (items != old_items) { // there is one object only
-    packed.triangles.resize(items);
-    if (!packed.triangle_vertices.empty()) packed.triangle_vertices.resize(items);
-    if (!packed.sources.empty()) packed.sources.resize(items);
-  }
   const std::size_t first = goes_on ? tree.still.order.size() : 0;
-  write_items(scene, memory.once, tree, static_cast<std::uint32_t>(first), packed);
+  if (!goes_on && tree.former.size() == old_items) {
+    rearrange_items(scene, memory.once, tree, moved, packed);
+  } else {
+    if (items != old_items) { // there is one object only
+      packed.triangles.resize(items);
+      if (!packed.triangle_vertices.empty()) packed.triangle_vertices.resize(items);
+      if (!packed.sources.empty()) packed.sources.resize(items);
+    }
+    write_items(scene, memory.once, tree, static_cast<std::uint32_t>(first), packed);
+  }
   object.item_count = static_cast<std::uint32_t>(items);
   object.depth = tree.tree.depth;
   object.sah_cost = tree.sah_cost;
