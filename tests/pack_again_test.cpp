@@ -209,6 +209,35 @@ TEST_P(PackAgainTest, OtherMeshesAreNoMovedOnes) {
   expect_anew("and is no more");
 }
 
+// Of two bodies that overlap, that with the smaller box counts.
+TEST(PackAgainBodies, TakeOtherPlacesAsTheyGrow) {
+  Scene scene;
+  scene.path = "test";
+  for (int m = 0; m < 2; ++m) {
+    scene.materials.push_back(plain_material());
+    scene.materials.back().transmission = 1.0f;
+    scene.materials.back().volume = true;
+    const std::uint32_t mesh = add_mesh(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {0, 0, 0}, {0, 1, 0}, {1, 0, 1}},
+                                        static_cast<std::uint32_t>(m));
+    scene.meshes[mesh].content = new_content();
+    add_instance(scene, mesh, glm::scale(glm::dmat4(1.0), glm::dvec3(1.0 + m)));
+  }
+  Packing packing;
+  packing.eye = glm::dvec3(0.5);
+  PackMemory memory;
+  PackedScene packed = pack_again(scene, packing, memory);
+  const PackedScene first = pack(scene, packing);
+  expect_same_bytes(packed.materials, first.materials, "materials");
+  scene.instances[0].world_from_object = glm::scale(glm::dmat4(1.0), glm::dvec3(3.0));
+  memory.packed = std::move(packed);
+  memory.is_still = memory.other_materials = memory.other_images = memory.other_environment = false;
+  packed = pack_again(scene, packing, memory);
+  const PackedScene fresh = pack(scene, packing);
+  EXPECT_NE(fresh.materials[0].flags, first.materials[0].flags);
+  expect_same_bytes(packed.materials, fresh.materials, "materials");
+  EXPECT_TRUE(memory.kept.places);
+}
+
 INSTANTIATE_TEST_SUITE_P(Variants, PackAgainTest,
                          testing::Values(Variant{false, false, bvh::Quality::fast},
                                          Variant{false, true, bvh::Quality::fast},
