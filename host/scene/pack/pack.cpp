@@ -567,7 +567,8 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   }
   const bool same_look = same_uses && has_same_look(layout, traits, packed);
   kept.geometry = same_look && has_same_geometry(scene, layout, device_from_world, packed);
-  kept.places = same_look && !kept.geometry && has_same_meshes(scene, layout, device_from_world, packed) &&
+  kept.places = same_look && !kept.geometry && before.keeps_trees &&
+                has_same_meshes(scene, layout, device_from_world, packed) &&
                 move_geometry(scene, layout, device_from_world, packed);
   if (kept.geometry)
     take_geometry(before, packed);
