@@ -123,12 +123,12 @@ int run_parts(const CLI::App& command, PartsRequest& request) {
     whole.render.given.emplace_back("samples");
     settings.first_sample = 0, settings.last_sample = settings.sample_total;
   }
+  RenderCommandRequest checked = whole; // as each part is where it is rendered
+  resolve(checked);
   const std::uint32_t samples = settings.last_sample - settings.first_sample;
   if (request.count > samples)
     throw UsageError("--count", fmt::format("asks for {} parts of {} samples", request.count, samples),
                      fmt::format("give at most {}", samples));
-  RenderCommandRequest checked = whole; // as each part is where it is rendered
-  resolve(checked);
   whole.output.pictures = checked.output.pictures;
   const Lines lines = lines_of(command, request);
   if (whole.output.json) {
