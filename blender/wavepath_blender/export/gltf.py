@@ -46,6 +46,7 @@ def complete(path, found, shining):
     for material in materials:
         if material["name"] in shining.radiance:
             make_shine(document, material, shining.radiance[material["name"]])
+        drop_dark_layer(material)
     roots = document["scenes"][document.get("scene", 0)].setdefault("nodes", [])
     if found.camera:
         document["cameras"] = [lens_of(found.camera)]
@@ -72,6 +73,13 @@ def make_shine(document, material, radiance):
                               "KHR_materials_specular": {"specularFactor": 0}}
     for extension in material["extensions"]:
         use(document, extension)
+
+
+def drop_dark_layer(material):
+    """Without specular reflection Cycles has no layer there. A black one of glTF still shines at grazing angles."""
+    specular = material.get("extensions", {}).get("KHR_materials_specular", {})
+    if specular.get("specularColorFactor") == [0, 0, 0]:
+        specular["specularFactor"] = 0
 
 
 def lens_of(camera):

@@ -8,7 +8,9 @@ import bpy
 import mathutils
 
 CORNERS = 64  # of a disc
-SUBDIVISIONS = 3  # of an icosahedron
+SUBDIVISIONS = 4  # of an icosahedron
+STEPS = 1000
+SPOTS_HAVE_COSINE = bpy.app.version < (4, 0, 0)  # Cycles' cones grow dimmer with the cosine until there
 
 
 @dataclass
@@ -90,11 +92,16 @@ def punctual(lamp):
     return told
 
 
-def inner_angle(outer, blend):
-    """The rim of glTF falls with the square of the cosine's share, that of Cycles by a smooth step: over a rim of 3/4
-    of the width both send out the same light."""
+def inner_angle(outer, blend, with_cosine=SPOTS_HAVE_COSINE):
+    """On the axis both send out the same; at the rim glTF falls with a square, Cycles by a smooth step. This is the
+    angle that gives the cone the light that it has in Cycles."""
     edge = math.cos(outer)
-    return min(math.acos(min(edge + 0.75 * blend * (1.0 - edge), 1.0)), outer * 0.9999)
+    light = 0.0
+    for k in range(STEPS):  # over the cosine, from the edge to the axis
+        share = (k + 0.5) / STEPS
+        t = min(share / blend, 1.0) if blend > 0 else 1.0
+        light += t * t * (3 - 2 * t) * (edge + share * (1 - edge) if with_cosine else 1.0) / STEPS
+    return min(math.acos(min(edge + 1.5 * (1 - edge) * (1 - light), 1.0)), outer * 0.9999)
 
 
 def area_mesh(lamp, found, shining, told):

@@ -4,6 +4,7 @@ import math
 import os
 
 import bpy
+import numpy
 
 SIZE = (1024, 512)
 LARGEST = 4096
@@ -24,6 +25,8 @@ def flags_of(scene, folder, told):
         told.add("a volume in the world, which is left out", world.name)
     path = os.path.join(folder, "world.exr")
     paint(scene, world, path, size_for(nodes))
+    if clip(path):
+        told.add("negative radiance in the world, which is black", world.name)
     return flags + ["--env", path]
 
 
@@ -90,3 +93,19 @@ def paint(source, world, path, size):
     cycles.film_exposure = 1.0
     bpy.context.window.scene = scene
     bpy.ops.render.render(write_still=True)
+
+
+def clip(path):
+    """Whether the picture had values that are no radiance."""
+    image = bpy.data.images.load(path)
+    pixels = numpy.empty(len(image.pixels), numpy.float32)
+    image.pixels.foreach_get(pixels)
+    wrong = ~(pixels >= 0) | (pixels == numpy.inf)
+    if wrong.any():
+        pixels[wrong] = 0
+        image.pixels.foreach_set(pixels)
+        image.filepath_raw = path
+        image.file_format = "OPEN_EXR"
+        image.save()
+    bpy.data.images.remove(image)
+    return bool(wrong.any())
