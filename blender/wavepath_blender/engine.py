@@ -77,6 +77,8 @@ def export(engine, depsgraph, folder):
         answer["lost"].append("image with changes that are not saved, which are left out: %s" % name)
     if scene.render.use_motion_blur and scene.wavepath.integrator not in ("auto", "path"):
         answer["lost"].append("motion blur, which needs the integrator Path or Automatic")
+    if depsgraph.view_layer.use_pass_uv and not answer["textures"]:
+        answer["lost"].append("pass UV, which is empty in a scene without image textures")
     for line in answer["lost"]:
         engine.report({"WARNING"}, "wavepath: lost: " + line)
     return answer

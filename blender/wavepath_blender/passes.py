@@ -42,16 +42,16 @@ def looked_up(channel, key):
     return values
 
 
-def motion(channels, _):
-    """Where the point was and will be, in pixels to the right and up."""
-    back, forth = ([channels[name + ".X"], -channels[name + ".Y"]] for name in ("motionBack", "motion"))
-    return numpy.nan_to_num(numpy.stack([*back, *(-values for values in forth)], axis=-1))
-
-
 def uv(channels, _):
     u, v = channels["uv.X"], channels["uv.Y"]
     hit = (channels["Z0"] < 1e9).astype(numpy.float32)
-    return numpy.stack([u, (1 - v) * hit, hit], axis=-1)
+    has = (u != 0) | (v != 0)  # a surface without texture coordinates has zeros
+    return numpy.stack([u, numpy.where(has, 1 - v, 0), hit], axis=-1)
+
+
+def emitted(channels, _):
+    """wavepath counts the environment among what shines."""
+    return numpy.stack([channels["emission." + c] - channels["environment." + c] for c in "RGB"], axis=-1)
 
 
 def layer_flag(name):
@@ -67,8 +67,7 @@ PASSES = (
          layer_flag("use_pass_object_index")),
     Pass("IndexMA", "X", "VALUE", "material", looked_up("id.material", "material_indices"),
          layer_flag("use_pass_material_index")),
-    Pass("Emit", "RGB", "COLOR", "emission", stacked("emission.R", "emission.G", "emission.B"),
-         layer_flag("use_pass_emit")),
+    Pass("Emit", "RGB", "COLOR", "emission,environment", emitted, layer_flag("use_pass_emit")),
     Pass("Env", "RGB", "COLOR", "environment", stacked("environment.R", "environment.G", "environment.B"),
          layer_flag("use_pass_environment")),
     Pass("Denoising Albedo", "RGB", "COLOR", "albedo", stacked("albedo.R", "albedo.G", "albedo.B"),

@@ -60,7 +60,7 @@ def complete(path, found, shining):
             add_node(nodes, roots, name, matrix, {"extensions": extension})
     write_glb(path, document, binary)
     known = bpy.data.materials
-    return {"object_indices": pass_indices,
+    return {"textures": len(document.get("textures", [])), "object_indices": pass_indices,
             "material_indices": [known[m["name"]].pass_index if m["name"] in known else 0 for m in materials]}
 
 

@@ -40,6 +40,8 @@ def to_meshes(found, job, told):
         kind, size = lamp.light.type, getattr(lamp.light, "shadow_soft_size", 0.0)
         if max(colour_of(lamp, told)) <= 0:
             continue
+        if kind == "AREA" or (kind == "POINT" and size > 0 and not one_radius):
+            told.add("a surface of its own, which is seen and throws a shadow", lamp.name)
         if kind == "AREA":
             area_mesh(lamp, found, shining, told)
         elif kind == "POINT" and size > 0 and not one_radius:
