@@ -58,7 +58,7 @@ class Collector(bpy.types.RenderEngine):
 
 def collect(scene, job, told):
     found = Found(flat=bpy.data.scenes.new(FLAT))
-    if not hasattr(bpy.types, "Collector"):
+    if not Collector.is_registered:
         bpy.utils.register_class(Collector)
     Collector.now = (found, job, told)
     render = scene.render

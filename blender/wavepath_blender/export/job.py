@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import collect, gltf, lamps, lens, lost, materials, world
+from . import collect, gltf, lamps, lens, lost, materials, motion, world
 
 
 def run(folder):
@@ -16,8 +16,8 @@ def run(folder):
     poses = [export_pose(folder, scene, job, moment, told) for moment in moments_of(scene, job)]
     flags, names = poses[0]
     if len(poses) > 1:
-        gltf.join_poses(os.path.join(folder, "0.glb"), os.path.join(folder, "1.glb"), told)
-        flags += ["--animation", "0", "--shutter", "0,1"]
+        if motion.join(os.path.join(folder, "0.glb"), os.path.join(folder, "1.glb"), told):
+            flags += ["--animation", "0", "--shutter", "0,1"]
     os.replace(os.path.join(folder, "0.glb"), os.path.join(folder, "scene.glb"))
     flags += world.flags_of(scene, folder, told)
     answer = {"flags": flags, "lost": told.lines(), **names}
