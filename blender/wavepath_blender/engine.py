@@ -3,12 +3,18 @@
 import os
 import shutil
 import tempfile
+import traceback
 
 import bpy
 
 from . import binary, command, copy_scene, passes, process, tev
+from .export import lost
 
 POLL = 0.1  # seconds
+
+
+class Failed(Exception):
+    """With a sentence for the user."""
 
 
 class Stopped(Exception):
@@ -37,18 +43,19 @@ class WavepathEngine(bpy.types.RenderEngine):
             pass
         except (binary.Missing, Failed) as problem:
             fail(self, str(problem))
+        except Exception as problem:
+            traceback.print_exc()
+            fail(self, "the add-on failed: %s: %s" % (type(problem).__name__, problem))
         finally:
             if folder:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
-class Failed(Exception):
-    pass
-
-
 def fail(engine, sentence):
-    engine.report({"ERROR"}, sentence)
+    """In the picture's window, and in the status bar, the Info editor and on stderr. The report also ends an animation,
+    and keeps Blender from writing a picture that there is none of."""
     engine.error_set(sentence)
+    engine.report({"ERROR"}, sentence)
 
 
 def temporary_folder():
@@ -73,14 +80,15 @@ def export(engine, depsgraph, folder):
     if answer is None:
         errors = [line for line in child.lines if line.startswith("wavepath: error: ")]
         raise Failed(errors[-1] if errors else "the export ended without a scene: %s" % "; ".join(child.lines[-3:]))
-    for name in copy_scene.unsaved_images():
-        answer["lost"].append("image with changes that are not saved, which are left out: %s" % name)
+    unsaved = copy_scene.unsaved_images()
+    if unsaved:
+        answer["lost"].append(lost.line("unsaved changes of an image: left out", unsaved))
     if scene.render.use_motion_blur and scene.wavepath.integrator not in ("auto", "path"):
-        answer["lost"].append("motion blur, which needs the integrator Path or Automatic")
+        answer["lost"].append("motion blur: off, as it needs the integrator Path or Automatic")
     if depsgraph.view_layer.use_pass_uv and not answer["textures"]:
-        answer["lost"].append("pass UV, which is empty in a scene without image textures")
+        answer["lost"].append("pass UV: empty in a scene without image textures")
     for line in answer["lost"]:
-        engine.report({"WARNING"}, "wavepath: lost: " + line)
+        engine.report({"WARNING"}, "wavepath: not carried: " + line)
     return answer
 
 

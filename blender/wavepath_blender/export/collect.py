@@ -13,9 +13,9 @@ import mathutils
 FLAT = "wavepath flat"
 MESH_LIKE = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 WITHOUT_SURFACE = ("LIGHT", "CAMERA", "EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
-LOST_KINDS = {"VOLUME": "a volume, which is left out", "CURVES": "hair curves, which are left out",
-              "GPENCIL": "grease pencil, which is left out", "GREASEPENCIL": "grease pencil, which is left out",
-              "POINTCLOUD": "a point cloud, which is left out"}
+LOST_KINDS = {"VOLUME": "volume: left out", "CURVES": "hair curves: left out",
+              "GPENCIL": "grease pencil: left out", "GREASEPENCIL": "grease pencil: left out",
+              "POINTCLOUD": "point cloud: left out"}
 
 
 @dataclass
@@ -112,14 +112,14 @@ def tell_of(thing, told):
     if thing.type in LOST_KINDS:
         told.add(LOST_KINDS[thing.type], thing.name)
     if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in thing.particle_systems):
-        told.add("hair, which is left out", thing.name)
+        told.add("hair: left out", thing.name)
     if thing.is_holdout:
-        told.add("holdout, which is shown as a surface", thing.name)
+        told.add("holdout: shown as a surface", thing.name)
     if thing.is_shadow_catcher:
-        told.add("shadow catcher, which is shown as a surface", thing.name)
+        told.add("shadow catcher: shown as a surface", thing.name)
     rays = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
     if thing.type in MESH_LIKE and not all(getattr(thing, "visible_" + ray) for ray in rays):
-        told.add("ray visibility, which is on for all rays", thing.name)
+        told.add("visibility to kinds of rays: seen by all", thing.name)
 
 
 def add_surface(instance, depsgraph, found):

@@ -59,10 +59,11 @@ def export_pose(folder, scene, job, moment, told):
     path = os.path.join(folder, "0.glb" if first else "1.glb")
     told = told if first else lost.Lost()
     if first:
-        materials.simplify(told)
+        materials.simplify()
     frame = int(moment // 1)
     scene.frame_set(frame, subframe=moment - frame)
     found = collect.collect(scene, job, told)
+    materials.tell(found.meshes.values(), told)
     shining = lamps.to_meshes(found, job, told)
     gltf.write(path, found.flat)
     flags = lens.flags_of(found, job, told) + shining.flags

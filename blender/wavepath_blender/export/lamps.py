@@ -35,20 +35,20 @@ def to_meshes(found, job, told):
             shining.flags += ["--sun-angle", repr(math.degrees(brightest.light.angle))]
         for lamp in suns:
             if not job["soft_lamps"] or lamp.light.angle != brightest.light.angle:
-                told.add("an angle of its own, which is that of the brightest sun", lamp.name)
+                told.add("angle of a sun: that of the brightest", lamp.name)
     for lamp in found.lamps:
         kind, size = lamp.light.type, getattr(lamp.light, "shadow_soft_size", 0.0)
         if max(colour_of(lamp, told)) <= 0:
             continue
         if kind == "AREA" or (kind == "POINT" and size > 0 and not one_radius):
-            told.add("a surface of its own, which is seen and throws a shadow", lamp.name)
+            told.add("lamp with a surface: is seen and throws a shadow", lamp.name)
         if kind == "AREA":
             area_mesh(lamp, found, shining, told)
         elif kind == "POINT" and size > 0 and not one_radius:
             sphere_mesh(lamp, found, shining, told)
         else:
             if kind == "SPOT" and size > 0 and not one_radius:
-                told.add("a radius unlike other lamps', whose shadow has a hard edge", lamp.name)
+                told.add("radius of a spot beside lamps of other radii: shadows have hard edges", lamp.name)
             shining.lights.append((lamp.name, lamp.matrix.normalized(), punctual(lamp)))
     return shining
 
@@ -65,7 +65,7 @@ def colour_of(lamp, told):
         if factor is not None:
             colour = mathutils.Vector(a * b for a, b in zip(colour, factor))
         elif told is not None:
-            told.add("nodes in a lamp, which are left out", lamp.name)
+            told.add("nodes of a lamp: left out", lamp.name)
     return [energy * value for value in colour]
 
 
@@ -109,14 +109,14 @@ def inner_angle(outer, blend, with_cosine=SPOTS_HAVE_COSINE):
 def area_mesh(lamp, found, shining, told):
     light, matrix = lamp.light, lamp.matrix
     if getattr(light, "spread", math.pi) < math.pi - 1e-4:
-        told.add("a spread below 180 degrees, which is 180", lamp.name)
+        told.add("spread of an area lamp: 180 degrees", lamp.name)
     across = light.size
     along = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
     x, y = across * matrix.col[0].to_3d().length, along * matrix.col[1].to_3d().length
     round_ = light.shape in ("DISK", "ELLIPSE")
     area = x * y * (math.pi / 4 if round_ else 1.0)
     if area <= 0:
-        told.add("no extent, which is left out", lamp.name)
+        told.add("area lamp of no extent: left out", lamp.name)
         return
     if round_:
         # A polygon of the ellipse's area.

@@ -6,7 +6,7 @@ import math
 def flags_of(found, job, told):
     camera = found.camera
     if camera is None:
-        told.add("no active camera: the view is wavepath's default one", "scene")
+        told.add("no active camera: wavepath chooses a view", "scene")
         return []
     width, height = job["size"]
     flags = ["--camera", "0"]
@@ -21,7 +21,7 @@ def flags_of(found, job, told):
     aspect = job["pixel_aspect"]
     if abs(aspect[0] / aspect[1] - 1) > 1e-6:
         if orthographic:
-            told.add("pixels that are not square, which are square", camera.name)
+            told.add("pixels that are not square: square", camera.name)
         else:
             flags += ["--intrinsics", "%r,%r,%r,%r" % (projection[0][0] * width / 2, projection[1][1] * height / 2,
                                                       (1 - x) * width / 2, (1 + y) * height / 2)]
@@ -29,16 +29,16 @@ def flags_of(found, job, told):
     if data.dof.use_dof and not orthographic:
         flags += depth_of_field(camera, told)
     elif data.dof.use_dof:
-        told.add("depth of field in parallel projection, which is off", camera.name)
+        told.add("depth of field of a parallel projection: off", camera.name)
     return flags
 
 
 def depth_of_field(camera, told):
     dof = camera.data.dof
     if abs(dof.aperture_ratio - 1) > 1e-4:
-        told.add("a squeezed aperture, which is round", camera.name)
+        told.add("squeezed aperture: round", camera.name)
     if dof.aperture_rotation and dof.aperture_blades:
-        told.add("a turned aperture, which has a corner on top", camera.name)
+        told.add("turned aperture: a corner is on top", camera.name)
     aperture = camera.data.lens / 1000 / dof.aperture_fstop
     flags = ["--aperture", repr(aperture), "--focus", repr(max(camera.focus, 1e-4))]
     return flags + (["--blades", str(min(dof.aperture_blades, 64))] if dof.aperture_blades >= 3 else [])
@@ -53,5 +53,5 @@ def panorama(camera, told):
     if kind in ("FISHEYE_EQUIDISTANT",):
         fov = getattr(data, "fisheye_fov", None) or getattr(settings, "fisheye_fov", math.pi)
         return ["--projection", "fisheye", "--fov", repr(math.degrees(fov))]
-    told.add("a panorama of kind %s, which is equirectangular" % kind.lower(), camera.name)
+    told.add("panorama of kind %s: equirectangular" % kind.lower(), camera.name)
     return ["--projection", "equirectangular"]

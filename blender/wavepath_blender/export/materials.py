@@ -1,4 +1,4 @@
-"""Materials that the glTF exporter does not know: simple ones are rewritten for it, of the others it is told."""
+"""Materials that the glTF exporter does not know: simple ones are rewritten for it, the others are told."""
 
 import bpy
 
@@ -7,12 +7,17 @@ KNOWN = {"OUTPUT_MATERIAL", "BSDF_PRINCIPLED", "TEX_IMAGE", "NORMAL_MAP", "UVMAP
          "SEPARATE_COLOR", "SEPRGB", "RGB", "VALUE", "REROUTE", "FRAME", "VERTEX_COLOR", "GROUP_INPUT"}
 
 
-def simplify(told):
+def simplify():
     for material in bpy.data.materials:
-        if not material.use_nodes or material.node_tree is None or not material.users:
-            continue
-        rewrite(material.node_tree)
-        tell_of(material, told)
+        if material.use_nodes and material.node_tree is not None:
+            rewrite(material.node_tree)
+
+
+def tell(meshes, told):
+    used = {material for mesh in meshes for material in mesh.materials if material is not None}
+    for material in sorted(used, key=lambda material: material.name):
+        if material.use_nodes and material.node_tree is not None:
+            tell_of(material, told)
 
 
 def output_of(tree):
@@ -59,11 +64,11 @@ def tell_of(material, told):
         return
     unknown = sorted({node.bl_label for node in reached(output) if node.type not in KNOWN})
     if unknown:
-        told.add("material nodes that glTF has no word for (%s), which are left out" % ", ".join(unknown),
+        told.add("material nodes without a word in glTF, %s: left out" % ", ".join(unknown),
                  material.name)
-    for socket, what in (("Volume", "a volume"), ("Displacement", "displacement")):
+    for socket, what in (("Volume", "volume"), ("Displacement", "displacement")):
         if output.inputs[socket].links:
-            told.add("%s in the material, which is left out" % what, material.name)
+            told.add("%s of a material: left out" % what, material.name)
     for node in reached(output):
         if node.type == "BSDF_PRINCIPLED":
             for name, what in (("Subsurface", "subsurface scattering"), ("Anisotropic", "anisotropy")):
@@ -71,7 +76,7 @@ def tell_of(material, told):
                 if name == "Anisotropic" and bpy.app.version >= (4, 0, 0):
                     continue
                 if socket is not None and (socket.links or socket.default_value > 0):
-                    told.add("%s, which is left out" % what, material.name)
+                    told.add("%s: left out" % what, material.name)
 
 
 def reached(output):

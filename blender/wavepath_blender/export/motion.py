@@ -18,7 +18,7 @@ def join(path, later_path, told):
     later, later_binary = gltf.read_glb(later_path)
     nodes, later_nodes = document["nodes"], later["nodes"]
     if [node.get("name") for node in nodes] != [node.get("name") for node in later_nodes]:
-        told.add("motion blur of a scene whose objects come or go, which is off", "shutter")
+        told.add("motion blur where objects come or go: off", "shutter")
         return False
     builder = Builder(document, bytearray(binary))
     times = None
@@ -43,7 +43,7 @@ def join(path, later_path, told):
                 animate(index, "weights", [0, 1], "SCALAR")
         elif node.get("matrix") != other.get("matrix"):
             node["matrix"] = middle(node["matrix"], other["matrix"])
-            told.add("a movement while the shutter is open, without blur", node["name"])
+            told.add("camera or lamp that moves while the shutter is open: no blur", node["name"])
     if not channels:
         return False
     document["animations"] = [{"name": "shutter", "channels": channels, "samplers": samplers}]
@@ -63,7 +63,7 @@ def deform(builder, index, later, later_binary, told):
             break
         moved.append(after - before)
     if len(moved) != len(mesh["primitives"]) or len(others) != len(moved):
-        told.add("a shape whose vertices come or go, without blur", mesh["name"])
+        told.add("motion blur of a shape whose vertices come or go: off", mesh["name"])
         return False
     if not any(values.any() for values in moved):
         return False

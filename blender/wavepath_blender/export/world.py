@@ -20,13 +20,13 @@ def flags_of(scene, folder, told):
         return flags + ["--env", "%r,%r,%r" % tuple(colour)]
     nodes = reached(world.node_tree)
     if any(node.type == "LIGHT_PATH" for node in nodes):
-        told.add("light paths in the world, which is what cameras see for all rays", world.name)
+        told.add("world that differs by kind of ray: all rays see what cameras see", world.name)
     if any(node.type in ("VOLUME_SCATTER", "VOLUME_ABSORPTION", "PRINCIPLED_VOLUME") for node in nodes):
-        told.add("a volume in the world, which is left out", world.name)
+        told.add("volume of the world: left out", world.name)
     path = os.path.join(folder, "world.exr")
     paint(scene, world, path, size_for(nodes))
     if clip(path):
-        told.add("negative radiance in the world, which is black", world.name)
+        told.add("negative radiance of the world: black", world.name)
     return flags + ["--env", path]
 
 
