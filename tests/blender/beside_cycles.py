@@ -52,6 +52,72 @@ def all_of_them(scene):
     stage.world((0.2, 0.25, 0.3), 0.3)
 
 
+def sky_file(scene):
+    """A picture with a bright spot and a bright half, turned: glass and depth of field before it."""
+    width, height = 256, 128
+    u, v = numpy.meshgrid((numpy.arange(width) + 0.5) / width, (numpy.arange(height) + 0.5) / height)
+    pixels = numpy.ones((height, width, 4), numpy.float32)
+    pixels[..., 0], pixels[..., 1], pixels[..., 2] = 0.2 + 0.6 * v, 0.3 + 0.3 * v, 0.4 + 0.4 * u
+    pixels[(abs(u - 0.3) < 0.04) & (abs(v - 0.75) < 0.06), :3] = 30
+    image = bpy.data.images.new("sky", width, height, float_buffer=True)
+    image.pixels = pixels.ravel()
+    image.pack()
+    tree = stage.world((1, 1, 1), 0.8).node_tree
+    texture, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    coordinate = tree.nodes.new("ShaderNodeTexCoord")
+    texture.image = image
+    mapping.inputs["Rotation"].default_value = (0, 0, 0.7)
+    tree.links.new(coordinate.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+
+
+def glass(scene):
+    sky_file(scene)
+    bpy.data.objects["ball"].data.materials[0] = stage.material("glass", "ShaderNodeBsdfGlass", IOR=1.45, Roughness=0)
+    data = scene.camera.data
+    data.dof.use_dof = True
+    data.dof.focus_distance, data.dof.aperture_fstop, data.dof.aperture_blades = 3.8, 0.2, 6
+
+
+def principled(scene):
+    sky_file(scene)
+    ball, box = bpy.data.objects["ball"].data.materials, bpy.data.objects["box"].data.materials
+    ball[0] = stage.material("metal", "ShaderNodeBsdfPrincipled", Base_Color=(0.9, 0.6, 0.3, 1), Metallic=1,
+                             Roughness=0.3)
+    box[0] = stage.material("plastic", "ShaderNodeBsdfPrincipled", Base_Color=(0.2, 0.3, 0.7, 1), Roughness=0.4)
+
+
+def parallel(scene):
+    stage.world((0.7, 0.8, 1.0), 0.8)
+    scene.camera.data.type = "ORTHO"
+    scene.camera.data.ortho_scale = 3.5
+    scene.camera.data.shift_x, scene.camera.data.shift_y = 0.1, -0.05
+
+
+def shifted(scene):
+    stage.world((0.7, 0.8, 1.0), 0.8)
+    scene.camera.data.sensor_fit = "AUTO"
+    scene.camera.data.shift_x, scene.camera.data.shift_y = 0.15, -0.1
+
+
+def upright(scene):
+    shifted(scene)
+    scene.render.resolution_x, scene.render.resolution_y = 64, 96
+
+
+def wide_pixels(scene):
+    shifted(scene)
+    scene.render.pixel_aspect_x = 2
+
+
+def sphere(scene):
+    sky_file(scene)
+    scene.camera.data.type = "PANO"
+    kind = scene.camera.data if hasattr(scene.camera.data, "panorama_type") else scene.camera.data.cycles
+    kind.panorama_type = "EQUIRECTANGULAR"
+
+
 CASES = {
     "point": lamp("POINT", 200, shadow_soft_size=0.1),
     "point_hard": lamp("POINT", 200),
@@ -62,9 +128,18 @@ CASES = {
     "ellipse": lamp("AREA", 200, shape="ELLIPSE", size=1.5, size_y=0.6),
     "world": lambda _: stage.world((0.7, 0.8, 1.0), 0.8),
     "lamps": all_of_them,
+    "sky_file": sky_file,
+    "glass": glass,
+    "principled": principled,
+    "parallel": parallel,
+    "shifted": shifted,
+    "upright": upright,
+    "wide_pixels": wide_pixels,
+    "sphere": sphere,
 }
-# Rims of cones have another shape. Lamps with a size of their own are noisier, and throw shadows themselves.
-PIXELS = {"spot": 0.25, "spot_wide_rim": 0.25, "lamps": 0.15}
+# Rims of cones have another shape. Lamps with a size of their own are noisier, and throw shadows themselves. Caustics
+# of glass and gloss are noisy in both.
+PIXELS = {"spot": 0.25, "spot_wide_rim": 0.25, "lamps": 0.15, "glass": 0.2, "principled": 0.1}
 
 for case in sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else CASES:
     compare(case, CASES[case], of_pixels=PIXELS.get(case, 0.06))

@@ -11,7 +11,8 @@ import bpy
 import mathutils
 import numpy
 
-sys.path.insert(0, os.environ["WAVEPATH_ADDON"])
+if "WAVEPATH_ADDON" in os.environ:  # the add-on's sources, where it is not installed
+    sys.path.insert(0, os.environ["WAVEPATH_ADDON"])
 FOLDER = os.environ["WAVEPATH_SCRATCH"]
 
 

@@ -47,6 +47,7 @@ def complete(path, found, shining):
         if material["name"] in shining.radiance:
             make_shine(document, material, shining.radiance[material["name"]])
         drop_dark_layer(material)
+        make_solid(document, material)
     roots = document["scenes"][document.get("scene", 0)].setdefault("nodes", [])
     if found.camera:
         document["cameras"] = [lens_of(found.camera)]
@@ -80,6 +81,14 @@ def drop_dark_layer(material):
     specular = material.get("extensions", {}).get("KHR_materials_specular", {})
     if specular.get("specularColorFactor") == [0, 0, 0]:
         specular["specularFactor"] = 0
+
+
+def make_solid(document, material):
+    """What transmits light refracts it in Blender. In glTF it is thin unless it has a thickness."""
+    extensions = material.get("extensions", {})
+    if "KHR_materials_transmission" in extensions and "KHR_materials_volume" not in extensions:
+        extensions["KHR_materials_volume"] = {"thicknessFactor": 1}
+        use(document, "KHR_materials_volume")
 
 
 def lens_of(camera):
