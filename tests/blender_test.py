@@ -42,7 +42,8 @@ def run(blender, source, wavepath, suite, cases, folder):
     ended = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     lines = [line for line in ended.stdout.splitlines() if line.strip() and not line.startswith(("Fra:", "Saved"))]
     print("\n".join(lines), flush=True)
-    return ended.returncode == 0 and any(line.endswith(" DONE") for line in lines)
+    # 3: the script failed. 1: its last render was stopped or failed, as some are meant to.
+    return ended.returncode in (0, 1) and any(line.endswith(" DONE") for line in lines)
 
 
 def version(blender):
