@@ -13,16 +13,17 @@ bl_info = {
 if "bpy" in locals():  # "Reload Scripts"
     import importlib
 
-    for module in (tev, process, settings, binary, copy_scene, passes, command, engine, panels):
+    for module in (tev, process, settings, telling, binary, copy_scene, passes, command, engine, panels):
         importlib.reload(module)
 else:
     import bpy  # noqa: F401
 
-    from . import binary, command, copy_scene, engine, panels, passes, process, settings, tev
+    from . import binary, command, copy_scene, engine, panels, passes, process, settings, telling, tev
 
 
 def register():
     settings.register()
+    telling.register()
     engine.register()
     panels.register()
 
@@ -30,4 +31,5 @@ def register():
 def unregister():
     panels.unregister()
     engine.unregister()
+    telling.unregister()
     settings.unregister()

@@ -9,6 +9,7 @@ import bpy
 
 from . import binary, command, copy_scene, passes, process, tev
 from .export import lost
+from .telling import begin, tell
 
 POLL = 0.1  # seconds
 
@@ -34,6 +35,7 @@ class WavepathEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         folder = None
+        begin()
         try:
             program = binary.find()
             folder = temporary_folder()
@@ -42,20 +44,13 @@ class WavepathEngine(bpy.types.RenderEngine):
         except Stopped:
             pass
         except (binary.Missing, Failed) as problem:
-            fail(self, str(problem))
+            tell(self, "ERROR", str(problem))
         except Exception as problem:
             traceback.print_exc()
-            fail(self, "the add-on failed: %s: %s" % (type(problem).__name__, problem))
+            tell(self, "ERROR", "the add-on failed: %s: %s" % (type(problem).__name__, problem))
         finally:
             if folder:
                 shutil.rmtree(folder, ignore_errors=True)
-
-
-def fail(engine, sentence):
-    """In the picture's window, and in the status bar, the Info editor and on stderr. The report also ends an animation,
-    and keeps Blender from writing a picture that there is none of."""
-    engine.error_set(sentence)
-    engine.report({"ERROR"}, sentence)
 
 
 def temporary_folder():
@@ -88,7 +83,7 @@ def export(engine, depsgraph, folder):
     if depsgraph.view_layer.use_pass_uv and not answer["textures"]:
         answer["lost"].append("pass UV: empty in a scene without image textures")
     for line in answer["lost"]:
-        engine.report({"WARNING"}, "wavepath: not carried: " + line)
+        tell(engine, "WARNING", "wavepath: not carried: " + line)
     return answer
 
 
@@ -125,12 +120,12 @@ def run(engine, depsgraph, folder, program, answer):
         show()
         for text in child.lines:
             if text.startswith("wavepath: warning: "):
-                engine.report({"WARNING"}, text)
+                tell(engine, "WARNING", text)
         if code not in (0, 3):
             errors = [text for text in child.lines if text.startswith("wavepath: error: ")]
             raise Failed(errors[-1] if errors else "wavepath ended with code %d: %s" % (code, "; ".join(child.lines[-3:])))
         if code == 3:
-            engine.report({"WARNING"}, "wavepath: the target error was not reached")
+            tell(engine, "WARNING", "wavepath: the target error was not reached")
         if receiver.problem:
             raise Failed("the picture did not arrive: %s" % receiver.problem)
     finally:

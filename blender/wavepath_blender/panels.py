@@ -6,7 +6,7 @@ OF_BLENDER = {
     "RENDER_PT_color_management", "RENDER_PT_color_management_curves", "RENDER_PT_dimensions", "RENDER_PT_output",
     "RENDER_PT_format", "RENDER_PT_frame_range", "RENDER_PT_time_stretching", "RENDER_PT_post_processing",
     "RENDER_PT_stamp", "RENDER_PT_encoding", "RENDER_PT_encoding_video", "RENDER_PT_output_color_management",
-    "RENDER_PT_output_views", "RENDER_PT_eevee_next_motion_blur",
+    "RENDER_PT_output_views",
     "DATA_PT_lens", "DATA_PT_camera", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "DATA_PT_camera_display",
     "DATA_PT_camera_safe_areas", "DATA_PT_context_camera", "DATA_PT_context_light", "DATA_PT_preview",
     "DATA_PT_EEVEE_light", "DATA_PT_spot", "DATA_PT_EEVEE_spot", "DATA_PT_light", "DATA_PT_area",

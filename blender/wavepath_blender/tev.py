@@ -31,8 +31,10 @@ class Receiver:
         return whole
 
     def wait(self, seconds):
-        """Until the sender has hung up."""
-        self._thread.join(seconds)
+        """Until the sender, which has ended, has been read to its end. There is none if it ended early."""
+        self._thread.join(0.2)
+        if self._connection is not None:
+            self._thread.join(seconds)
 
     def close(self):
         """Hang up, whatever is still under way."""
