@@ -22,7 +22,7 @@ def build(program, folder, depsgraph, size, crop, answer, address):
         flags += ["--clamp", repr(options.clamp)]
     if options.denoise:
         flags += ["--denoise"]
-    aovs = passes.aovs(layer)
+    aovs = passes.aovs(scene, layer)
     if aovs:
         flags += ["--aov", ",".join(aovs)]
     preferences = settings.preferences()

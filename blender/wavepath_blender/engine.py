@@ -92,7 +92,7 @@ def run(engine, depsgraph, folder, program, answer):
     size, crop = whole_size(scene), border(scene)
     width, height = (crop[2], crop[3]) if crop else size
     receiver = tev.Receiver()
-    passes.add(engine, layer)
+    passes.add(engine, scene, layer)
     result = engine.begin_result(0, 0, width, height, layer=layer.name)
     try:
         line = command.build(program, folder, depsgraph, size, crop, answer, receiver.address)
@@ -104,7 +104,7 @@ def run(engine, depsgraph, folder, program, answer):
         def show():
             channels = receiver.take()
             if channels is not None:
-                passes.fill(result, layer, channels, answer)
+                passes.fill(result, scene, layer, channels, answer)
                 engine.update_result(result)
 
         try:

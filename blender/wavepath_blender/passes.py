@@ -13,7 +13,7 @@ class Pass:
     kind: str  # of Blender: COLOR, VECTOR or VALUE
     aov: Optional[str]
     values: Callable  # of channels and answer of the export: an array (height, width, channel)
-    wanted: Callable  # of a view layer
+    wanted: Callable  # of a scene and its view layer
 
 
 def stacked(*names):
@@ -54,8 +54,13 @@ def emitted(channels, _):
     return numpy.stack([channels["emission." + c] - channels["environment." + c] for c in "RGB"], axis=-1)
 
 
+def noisy(channels, _):
+    alpha = channels.get("A", numpy.ones_like(channels["R"]))
+    return numpy.stack([*(channels[c] for c in "RGB"), alpha], axis=-1)
+
+
 def layer_flag(name):
-    return lambda layer: getattr(layer, name, False)
+    return lambda _, layer: getattr(layer, name, False)
 
 
 PASSES = (
@@ -71,11 +76,12 @@ PASSES = (
     Pass("Env", "RGB", "COLOR", "environment", stacked("environment.R", "environment.G", "environment.B"),
          layer_flag("use_pass_environment")),
     Pass("Denoising Albedo", "RGB", "COLOR", "albedo", stacked("albedo.R", "albedo.G", "albedo.B"),
-         lambda layer: layer.wavepath.use_pass_denoising),
+         lambda _, layer: layer.wavepath.use_pass_denoising),
     Pass("Denoising Normal", "XYZ", "VECTOR", "normal", z_up("N.X", "N.Y", "N.Z"),
-         lambda layer: layer.wavepath.use_pass_denoising),
+         lambda _, layer: layer.wavepath.use_pass_denoising),
     Pass("Debug Sample Count", "X", "VALUE", "samples", stacked("samples"),
-         lambda layer: layer.wavepath.use_pass_samples),
+         lambda _, layer: layer.wavepath.use_pass_samples),
+    Pass("Noisy Image", "RGBA", "COLOR", None, noisy, lambda scene, _: scene.wavepath.denoise),
     *(Pass("Crypto%s%02d" % (kind, level), "rgba", "COLOR", "cryptomatte",
            stacked(*("Crypto%s%02d.%s" % (kind, level, channel) for channel in "RGBA")),
            layer_flag("use_pass_cryptomatte_" + kind.lower()))
@@ -83,35 +89,36 @@ PASSES = (
 )
 
 
-def wanted(layer):
-    return [one for one in PASSES if one.wanted(layer)]
+def wanted(scene, layer):
+    return [one for one in PASSES if one.wanted(scene, layer)]
 
 
 def register(engine, scene, layer):
     engine.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
-    for one in wanted(layer):
+    for one in wanted(scene, layer):
         engine.register_pass(scene, layer, one.name, len(one.channels), one.channels, one.kind)
 
 
-def aovs(layer):
+def aovs(scene, layer):
     names = []
-    for one in wanted(layer):
-        names += [name for name in one.aov.split(",") if name not in names]
+    for one in wanted(scene, layer):
+        names += [name for name in (one.aov or "").split(",") if name and name not in names]
     return names
 
 
-def add(engine, layer):
-    for one in wanted(layer):
+def add(engine, scene, layer):
+    for one in wanted(scene, layer):
         engine.add_pass(one.name, len(one.channels), one.channels, layer=layer.name)
 
 
-def fill(result, layer, channels, answer):
+def fill(result, scene, layer, channels, answer):
     """Passes that are found after the last sample are black until then."""
     alpha = channels.get("A")
     if alpha is None:
         alpha = numpy.ones_like(channels["R"])
-    values = {"Combined": numpy.stack([channels["R"], channels["G"], channels["B"], alpha], axis=-1)}
-    for one in wanted(layer):
+    shown = "denoised." if "denoised.R" in channels else ""  # of the last picture alone
+    values = {"Combined": numpy.stack([*(channels[shown + c] for c in "RGB"), alpha], axis=-1)}
+    for one in wanted(scene, layer):
         try:
             values[one.name] = one.values(channels, answer)
         except KeyError:

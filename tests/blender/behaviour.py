@@ -241,6 +241,26 @@ def motion_blur():
     stage.near("and as bright", stage.mean(moved), stage.mean(theirs), 0.03)
 
 
+def denoised():
+    scene = build(4)
+    noisy = stage.render("noisy")
+    scene.wavepath.denoise = True
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    both = stage.render("denoised")
+    check("the denoised picture comes with the noisy one", (both["ViewLayer.Noisy Image.R"] == noisy["R"]).all())
+    check("and is another", (both["ViewLayer.Combined.R"] != noisy["R"]).any())
+
+
+def transparent():
+    scene = build()
+    stage.world((0.5, 0.6, 0.7))
+    scene.render.film_transparent = True
+    scene.render.image_settings.color_mode = "RGBA"
+    picture = stage.render("transparent")
+    check("a transparent background has no alpha", picture["A"][0].max() == 0 and picture["A"][40].min() == 1)
+    check("and no colour", picture["R"][0].max() == 0)
+
+
 def lost():
     scene = build()
     for name in ("marble", "wood"):
@@ -270,7 +290,7 @@ def lost():
 
 
 CASES = [missing_program, program_that_fails, mistake_of_ours, folder_read_only, nothing_left, view_layers, hidden_objects, instances,
-         border, frames, motion_blur, lost, esc]
+         border, frames, motion_blur, denoised, transparent, lost, esc]
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 for case in CASES:
     if not wanted or case.__name__ in wanted:
