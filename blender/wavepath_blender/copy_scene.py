@@ -20,6 +20,7 @@ def write_copy(folder, depsgraph, size):
         "size": size,
         "pixel_aspect": [render.pixel_aspect_x, render.pixel_aspect_y],
         "motion_blur": render.use_motion_blur and scene.wavepath.integrator in ("auto", "path"),
+        "bake": scene.wavepath.bake_size if scene.wavepath.bake else 0,
         "soft_lamps": scene.wavepath.integrator not in ("whitted", "ao"),
     }
     with open(os.path.join(folder, "job.json"), "w") as file:

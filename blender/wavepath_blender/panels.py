@@ -63,6 +63,20 @@ class WAVEPATH_PT_motion_blur(WavepathPanel, bpy.types.Panel):
         self.layout.prop(render, "motion_blur_shutter")
 
 
+class WAVEPATH_PT_bake(WavepathPanel, bpy.types.Panel):
+    bl_label = "Bake Nodes"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.wavepath, "bake", text="")
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.active = context.scene.wavepath.bake
+        self.layout.prop(context.scene.wavepath, "bake_size")
+
+
 class WAVEPATH_PT_passes(WavepathPanel, bpy.types.Panel):
     bl_label = "Passes"
     bl_context = "view_layer"
@@ -78,7 +92,7 @@ class WAVEPATH_PT_passes(WavepathPanel, bpy.types.Panel):
         layout.prop(layer.wavepath, "use_pass_samples")
 
 
-CLASSES = (WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_passes)
+CLASSES = (WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_bake, WAVEPATH_PT_passes)
 
 
 def of_blender():

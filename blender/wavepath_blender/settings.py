@@ -24,6 +24,11 @@ class WavepathScene(bpy.types.PropertyGroup):
     denoise: BoolProperty(name="Denoise", default=False, description="Filter the noise of the finished picture")
     clamp: FloatProperty(name="Clamp", default=0.0, min=0.0,
                          description="Dim samples brighter than this, as fireflies are; 0: none. Needs Path")
+    bake: BoolProperty(
+        name="Bake Nodes", default=False,
+        description="Let Cycles paint what glTF has no nodes for on image textures, before each render")
+    bake_size: IntProperty(name="Texture Size", default=1024, min=16, max=8192, subtype="PIXEL",
+                           description="Width and height of these textures, one for each mesh and socket")
     flags: StringProperty(name="More Flags", description="Further flags of `wavepath render`, as on a command line")
 
 

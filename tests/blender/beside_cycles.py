@@ -88,6 +88,31 @@ def principled(scene):
     box[0] = stage.material("plastic", "ShaderNodeBsdfPrincipled", Base_Color=(0.2, 0.3, 0.7, 1), Roughness=0.4)
 
 
+def baked(scene):
+    """Noise on colour, roughness and bumps, on two meshes of which one has two materials."""
+    sky_file(scene)
+    scene.wavepath.bake, scene.wavepath.bake_size = True, 512
+    made = stage.material("marble", "ShaderNodeBsdfPrincipled", Specular=0.0) if bpy.app.version < (4, 0, 0) else \
+        stage.material("marble", "ShaderNodeBsdfPrincipled", Specular_IOR_Level=0.0)
+    tree = made.node_tree
+    node = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+    noise, ramp, bump = (tree.nodes.new("ShaderNode" + kind) for kind in ("TexNoise", "ValToRGB", "Bump"))
+    noise.inputs["Scale"].default_value = 3
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.6, 0.05, 0.02, 1), (0.1, 0.6, 0.8, 1)
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = 0.4, 0.6
+    bump.inputs["Strength"].default_value = 0.5
+    tree.links.new(noise.outputs["Fac"], ramp.inputs["Fac"])
+    tree.links.new(ramp.outputs["Color"], node.inputs["Base Color"])
+    tree.links.new(noise.outputs["Fac"], node.inputs["Roughness"])
+    tree.links.new(noise.outputs["Fac"], bump.inputs["Height"])
+    tree.links.new(bump.outputs["Normal"], node.inputs["Normal"])
+    bpy.data.objects["ball"].data.materials[0] = made
+    box = bpy.data.objects["box"].data
+    box.materials.append(made)
+    for face in box.polygons:
+        face.material_index = face.index % 2
+
+
 def parallel(scene):
     stage.world((0.7, 0.8, 1.0), 0.8)
     scene.camera.data.type = "ORTHO"
@@ -131,6 +156,7 @@ CASES = {
     "sky_file": sky_file,
     "glass": glass,
     "principled": principled,
+    "baked": baked,
     "parallel": parallel,
     "shifted": shifted,
     "upright": upright,

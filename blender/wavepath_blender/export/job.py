@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import collect, gltf, lamps, lens, lost, materials, motion, world
+from . import bake, collect, gltf, lamps, lens, lost, materials, motion, world
 
 
 def run(folder):
@@ -63,6 +63,8 @@ def export_pose(folder, scene, job, moment, told):
     frame = int(moment // 1)
     scene.frame_set(frame, subframe=moment - frame)
     found = collect.collect(scene, job, told)
+    if first and job["bake"]:
+        bake.replace(found, job["bake"])
     materials.tell(found.meshes.values(), told)
     shining = lamps.to_meshes(found, job, told)
     gltf.write(path, found.flat)

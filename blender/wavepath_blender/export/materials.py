@@ -80,7 +80,12 @@ def tell_of(material, told):
 
 
 def reached(output):
-    found, todo = [], [output.inputs["Surface"]]
+    return reached_from(output.inputs["Surface"])
+
+
+def reached_from(socket):
+    """Nodes that it depends on."""
+    found, todo = [], [socket]
     while todo:
         for link in todo.pop().links:
             if link.from_node not in found:
