@@ -14,7 +14,8 @@ def replace(found, size):
     scene = found.flat
     bpy.context.window.scene = scene
     scene.render.engine = "CYCLES"
-    scene.cycles.device, scene.cycles.samples = "CPU", 1
+    scene.cycles.device, scene.cycles.samples = "CPU", 4
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.render.bake.margin = max(size // 128, 2)
     done = set()
     for thing in list(scene.objects):
