@@ -2,18 +2,15 @@
 
 import bpy
 
-OF_BLENDER = {
-    "RENDER_PT_color_management", "RENDER_PT_color_management_curves", "RENDER_PT_dimensions", "RENDER_PT_output",
-    "RENDER_PT_format", "RENDER_PT_frame_range", "RENDER_PT_time_stretching", "RENDER_PT_post_processing",
-    "RENDER_PT_stamp", "RENDER_PT_encoding", "RENDER_PT_encoding_video", "RENDER_PT_output_color_management",
-    "RENDER_PT_output_views",
-    "DATA_PT_lens", "DATA_PT_camera", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "DATA_PT_camera_display",
-    "DATA_PT_camera_safe_areas", "DATA_PT_context_camera", "DATA_PT_context_light", "DATA_PT_preview",
-    "DATA_PT_EEVEE_light", "DATA_PT_spot", "DATA_PT_EEVEE_spot", "DATA_PT_light", "DATA_PT_area",
-    "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_settings",
-    "EEVEE_WORLD_PT_surface", "WORLD_PT_context_world", "MATERIAL_PT_preview",
-    "TEXTURE_PT_context", "PARTICLE_PT_render", "VIEWLAYER_PT_layer",
-    "VIEWLAYER_PT_eevee_layer_passes_cryptomatte",
+# Of Eevee, beside all panels that any engine has.
+OF_EEVEE = {"EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface",
+            "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
+# Of any engine, for what wavepath does not have or has a panel of its own for.
+WITHOUT_EFFECT = {
+    "DATA_PT_light", "DATA_PT_area", "DATA_PT_spot", "DATA_PT_EEVEE_light", "DATA_PT_falloff_curve",
+    "DATA_PT_camera_stereoscopy", "MATERIAL_PT_freestyle_line", "RENDER_PT_freestyle", "RENDER_PT_gpencil",
+    "RENDER_PT_simplify_greasepencil", "RENDER_PT_stereoscopy", "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_eevee_layer_passes_cryptomatte", "VIEWLAYER_PT_layer_passes_cryptomatte",
 }
 
 
@@ -77,6 +74,28 @@ class WAVEPATH_PT_bake(WavepathPanel, bpy.types.Panel):
         self.layout.prop(context.scene.wavepath, "bake_size")
 
 
+class WAVEPATH_PT_light(WavepathPanel, bpy.types.Panel):
+    bl_label = "Light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and getattr(context, "light", None) is not None
+
+    def draw(self, context):
+        light, layout = context.light, self.layout
+        layout.row().prop(light, "type", expand=True)
+        layout.use_property_split = True
+        names = ["color", "use_temperature", "temperature", "energy", "exposure"]  # some are of later versions
+        names += {"POINT": ["shadow_soft_size"], "SUN": ["angle"], "AREA": ["shape", "size"],
+                  "SPOT": ["shadow_soft_size", "spot_size", "spot_blend"]}[light.type]
+        if light.type == "AREA" and light.shape in ("RECTANGLE", "ELLIPSE"):
+            names.append("size_y")
+        for name in names:
+            if hasattr(light, name):
+                layout.prop(light, name)
+
+
 class WAVEPATH_PT_passes(WavepathPanel, bpy.types.Panel):
     bl_label = "Passes"
     bl_context = "view_layer"
@@ -92,12 +111,16 @@ class WAVEPATH_PT_passes(WavepathPanel, bpy.types.Panel):
         layout.prop(layer.wavepath, "use_pass_samples")
 
 
-CLASSES = (WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_bake, WAVEPATH_PT_passes)
+CLASSES = (WAVEPATH_PT_light, WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_bake, WAVEPATH_PT_passes)
 
 
 def of_blender():
-    return [kind for kind in bpy.types.Panel.__subclasses__()
-            if kind.__name__ in OF_BLENDER and hasattr(kind, "COMPAT_ENGINES")]
+    """Panels that draw themselves for wavepath as well."""
+    for kind in bpy.types.Panel.__subclasses__():
+        engines, name = getattr(kind, "COMPAT_ENGINES", ()), kind.__name__
+        if name in OF_EEVEE or ("BLENDER_RENDER" in engines and name not in WITHOUT_EFFECT
+                                and not name.startswith("VIEWLAYER_PT_freestyle")):
+            yield kind
 
 
 def register():

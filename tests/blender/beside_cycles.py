@@ -88,6 +88,29 @@ def principled(scene):
     box[0] = stage.material("plastic", "ShaderNodeBsdfPrincipled", Base_Color=(0.2, 0.3, 0.7, 1), Roughness=0.4)
 
 
+def see_through(scene):
+    """By a number, on the box, and by a texture with holes on a card that faces away."""
+    sky_file(scene)
+    bpy.data.objects["box"].data.materials[0] = stage.material(
+        "half", "ShaderNodeBsdfPrincipled", Base_Color=(0.1, 0.2, 0.7, 1), Alpha=0.4, Roughness=1)
+    image = bpy.data.images.new("holes", 8, 8, alpha=True)
+    image.pixels = [value for k in range(64) for value in (0.8, 0.5, 0.1, (k + k // 8) % 2)]
+    image.pack()
+    made = stage.material("holes", "ShaderNodeBsdfPrincipled", Roughness=1)
+    tree = made.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation = image, "Closest"
+    node = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+    tree.links.new(texture.outputs["Color"], node.inputs["Base Color"])
+    tree.links.new(texture.outputs["Alpha"], node.inputs["Alpha"])
+    made.use_backface_culling = True
+    card = stage.plane(0.6, made, "card")
+    layer = card.data.uv_layers.new(name="UVMap")
+    for loop, corner in zip(layer.data, ((0, 0), (1, 0), (1, 1), (0, 1))):
+        loop.uv = corner
+    card.matrix_world = stage.look((0, -0.7, 0.7), (0, -2, 1.0)) @ stage.mathutils.Matrix.Rotation(math.pi, 4, "Y")
+
+
 def baked(scene):
     """Noise on colour, roughness and bumps, on two meshes of which one has two materials."""
     sky_file(scene)
@@ -156,6 +179,7 @@ CASES = {
     "sky_file": sky_file,
     "glass": glass,
     "principled": principled,
+    "see_through": see_through,
     "baked": baked,
     "parallel": parallel,
     "shifted": shifted,

@@ -11,6 +11,7 @@ def simplify():
     for material in bpy.data.materials:
         if material.use_nodes and material.node_tree is not None:
             rewrite(material.node_tree)
+            show_as_cycles(material)
 
 
 def tell(meshes, told):
@@ -48,6 +49,16 @@ def rewrite(tree):
         for link in list(old.inputs[theirs].links):
             tree.links.new(link.from_socket, new.inputs[ours])
     tree.links.new(new.outputs[0], output.inputs["Surface"])
+
+
+def show_as_cycles(material):
+    """Both sides of a surface, and alpha whatever Eevee does with it."""
+    material.use_backface_culling = False
+    output = output_of(material.node_tree)
+    node = output.inputs["Surface"].links[0].from_node if output and output.inputs["Surface"].links else None
+    alpha = node.inputs.get("Alpha") if node else None
+    if alpha is not None and (alpha.links or alpha.default_value < 1) and material.blend_method == "OPAQUE":
+        material.blend_method = "BLEND"
 
 
 def socket_named(node, name):
