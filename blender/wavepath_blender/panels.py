@@ -117,9 +117,12 @@ CLASSES = (WAVEPATH_PT_light, WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAV
 def of_blender():
     """Panels that draw themselves for wavepath as well."""
     for kind in bpy.types.Panel.__subclasses__():
-        engines, name = getattr(kind, "COMPAT_ENGINES", ()), kind.__name__
-        if name in OF_EEVEE or ("BLENDER_RENDER" in engines and name not in WITHOUT_EFFECT
-                                and not name.startswith("VIEWLAYER_PT_freestyle")):
+        engines = getattr(kind, "COMPAT_ENGINES", ())
+        name = kind.__name__
+        if name.startswith("NODE_"):  # the same in the sidebar of the node editor: they share their set of engines
+            name = name[len("NODE_") :]
+        left_out = name in WITHOUT_EFFECT or name.startswith("VIEWLAYER_PT_freestyle") or name.endswith("_PT_preview")
+        if name in OF_EEVEE or ("BLENDER_RENDER" in engines and not left_out):
             yield kind
 
 
