@@ -143,6 +143,12 @@ def parallel(scene):
     scene.camera.data.shift_x, scene.camera.data.shift_y = 0.1, -0.05
 
 
+def clipped(scene):
+    """The ball's front and the floor's far end are cut off."""
+    stage.world((0.7, 0.8, 1.0), 0.8)
+    scene.camera.data.clip_start, scene.camera.data.clip_end = 5.1, 7.0
+
+
 def shifted(scene):
     stage.world((0.7, 0.8, 1.0), 0.8)
     scene.camera.data.sensor_fit = "AUTO"
@@ -182,6 +188,7 @@ CASES = {
     "see_through": see_through,
     "baked": baked,
     "parallel": parallel,
+    "clipped": clipped,
     "shifted": shifted,
     "upright": upright,
     "wide_pixels": wide_pixels,

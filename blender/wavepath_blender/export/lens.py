@@ -9,7 +9,7 @@ def flags_of(found, job, told):
         told.add("no active camera: wavepath chooses a view", "scene")
         return []
     width, height = job["size"]
-    flags = ["--camera", "0"]
+    flags = ["--camera", "0", "--clip", "%r,%r" % (camera.data.clip_start, camera.data.clip_end)]
     data, projection = camera.data, camera.projection
     orthographic = data.type == "ORTHO"
     if data.type == "PANO":
