@@ -265,6 +265,15 @@ def motion_blur():
     stage.near("and as bright", stage.mean(moved), stage.mean(theirs), 0.03)
 
 
+def integrators():
+    for name in ("auto", "path", "bidirectional", "hybrid", "whitted", "ao"):
+        scene = build(4)
+        stage.world((0.2, 0.2, 0.2))
+        bpy.data.lights["lamp"].shadow_soft_size = 0.1
+        scene.wavepath.integrator = name
+        check("integrator " + name, stage.mean(stage.render("integrator")) > 0.05)
+
+
 def denoised():
     scene = build(4)
     noisy = stage.render("noisy")
@@ -314,7 +323,7 @@ def lost():
 
 
 CASES = [missing_program, program_that_fails, mistake_of_ours, folder_read_only, nothing_left, view_layers, hidden_objects, instances,
-         border, exact, frames, motion_blur, denoised, transparent, lost, esc]
+         border, exact, frames, motion_blur, integrators, denoised, transparent, lost, esc]
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 for case in CASES:
     if not wanted or case.__name__ in wanted:
