@@ -265,6 +265,57 @@ def motion_blur():
     stage.near("and as bright", stage.mean(moved), stage.mean(theirs), 0.03)
 
 
+def mattes():
+    """The compositor finds an object by its name."""
+    scene = build()
+    scene.view_layers[0].use_pass_cryptomatte_object = True
+    scene.use_nodes = True
+    tree = scene.node_tree
+    tree.nodes.clear()
+    layers, out = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeComposite")
+    matte = tree.nodes.new("CompositorNodeCryptomatteV2")
+    matte.matte_id = "ball"
+    tree.links.new(layers.outputs["Image"], matte.inputs[0])
+    tree.links.new(matte.outputs["Matte"], out.inputs[0])
+    picture = stage.render("mattes")["R"]
+    check("Cryptomatte takes the ball out", picture[20:28, 28:36].min() == 1 and picture[40].max() == 0)
+
+
+def saved_file():
+    """A texture beside the file, by a path from there; a collection linked from another file."""
+    scene = build()
+    folder = os.path.join(stage.FOLDER, "saved")
+    os.makedirs(folder, exist_ok=True)
+    image = bpy.data.images.new("green", 4, 4)
+    image.pixels = [0.0, 1.0, 0.0, 1.0] * 16
+    image.filepath_raw, image.file_format = os.path.join(folder, "green.png"), "PNG"
+    image.save()
+    library = bpy.data.collections.new("library")
+    blue = stage.ball(0.4, stage.material("blue", Color=(0.0, 0.0, 1.0, 1)), (1, 0, 0.4), "blue")
+    for users in blue.users_collection:
+        users.objects.unlink(blue)
+    library.objects.link(blue)
+    bpy.data.libraries.write(os.path.join(folder, "library.blend"), {library})
+    bpy.data.collections.remove(library)
+    bpy.data.objects.remove(blue)
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+    image.filepath = "//green.png"
+    tree = bpy.data.objects["ball"].active_material.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], next(n for n in tree.nodes if n.type == "BSDF_DIFFUSE").inputs["Color"])
+    with bpy.data.libraries.load("//library.blend", link=True, relative=True) as (_, wanted):
+        wanted.collections = ["library"]
+    instance = stage.link("instance", None, stage.mathutils.Matrix())
+    instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.ops.wm.save_mainfile()
+    picture = stage.render("saved")
+    green = (picture["G"] > 0.1) & (picture["R"] < 0.02)
+    blue = (picture["B"] > 0.1) & (picture["G"] < 0.02)
+    check("a texture by a relative path is found", green.sum() > 50)
+    check("what is linked from another file is rendered", blue.sum() > 30)
+
+
 def integrators():
     for name in ("auto", "path", "bidirectional", "hybrid", "whitted", "ao"):
         scene = build(4)
@@ -323,7 +374,7 @@ def lost():
 
 
 CASES = [missing_program, program_that_fails, mistake_of_ours, folder_read_only, nothing_left, view_layers, hidden_objects, instances,
-         border, exact, frames, motion_blur, integrators, denoised, transparent, lost, esc]
+         border, exact, frames, motion_blur, mattes, saved_file, integrators, denoised, transparent, lost, esc]
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 for case in CASES:
     if not wanted or case.__name__ in wanted:
