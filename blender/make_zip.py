@@ -1,4 +1,5 @@
-"""Packs the add-on: wavepath_blender-addon.zip for Blender 3.4 to 4.1, wavepath_blender-extension.zip for 4.2 and later.
+"""Packs the add-on: wavepath_blender-addon.zip for Blender 3.4 to 4.1, wavepath_blender-extension.zip for 4.2 and
+later.
 
     python3 blender/make_zip.py [FOLDER]
 """

@@ -23,5 +23,5 @@ def find():
         raise Missing("%s: is no program; choose wavepath in Preferences > Add-ons > wavepath" % chosen)
     found = shutil.which("wavepath")
     if not found:
-        raise Missing("wavepath is not installed; install it, or choose the program in Preferences > Add-ons > wavepath")
+        raise Missing("wavepath is not installed; install it, or choose it in Preferences > Add-ons > wavepath")
     return found

@@ -73,8 +73,7 @@ def export(engine, depsgraph, folder):
     wait(engine, child, child.kill)
     answer = copy_scene.read_answer(folder)
     if answer is None:
-        errors = [line for line in child.lines if line.startswith("wavepath: error: ")]
-        raise Failed(errors[-1] if errors else "the export ended without a scene: %s" % "; ".join(child.lines[-3:]))
+        raise Failed(error_of(child) or "the export ended without a scene: %s" % "; ".join(child.lines[-3:]))
     unsaved = copy_scene.unsaved_images()
     if unsaved:
         answer["lost"].append(lost.line("unsaved changes of an image: left out", unsaved))
@@ -122,8 +121,7 @@ def run(engine, depsgraph, folder, program, answer):
             if text.startswith("wavepath: warning: "):
                 tell(engine, "WARNING", text)
         if code not in (0, 3):
-            errors = [text for text in child.lines if text.startswith("wavepath: error: ")]
-            raise Failed(errors[-1] if errors else "wavepath ended with code %d: %s" % (code, "; ".join(child.lines[-3:])))
+            raise Failed(error_of(child) or "wavepath ended with code %d: %s" % (code, "; ".join(child.lines[-3:])))
         if code == 3:
             tell(engine, "WARNING", "wavepath: the target error was not reached")
         if receiver.problem:
@@ -131,6 +129,10 @@ def run(engine, depsgraph, folder, program, answer):
     finally:
         receiver.close()
         engine.end_result(result)
+
+
+def error_of(child):
+    return next((line for line in reversed(child.lines) if line.startswith("wavepath: error: ")), None)
 
 
 def wait(engine, child, stop, meanwhile=None):

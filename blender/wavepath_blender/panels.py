@@ -111,7 +111,8 @@ class WAVEPATH_PT_passes(WavepathPanel, bpy.types.Panel):
         layout.prop(layer.wavepath, "use_pass_samples")
 
 
-CLASSES = (WAVEPATH_PT_light, WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_bake, WAVEPATH_PT_passes)
+CLASSES = (WAVEPATH_PT_light, WAVEPATH_PT_sampling, WAVEPATH_PT_motion_blur, WAVEPATH_PT_film, WAVEPATH_PT_bake,
+           WAVEPATH_PT_passes)
 
 
 def of_blender():

@@ -1,13 +1,12 @@
 """What a user meets: Esc, a missing program, a folder that cannot be written, view layers, borders, frames, what is
 lost. Each case renders an unsaved file."""
 
+import json
 import math
 import os
 import shutil
 import signal
-import stat
 import sys
-import tempfile
 import threading
 import time
 
@@ -178,7 +177,19 @@ def instances():
     array.count = 2
     scene.view_layers[0].use_pass_object_index = True
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    engine = sys.modules["wavepath_blender.engine"]
+    kept, meshes = engine.run, []
+
+    def watched(*arguments):
+        with open(os.path.join(arguments[2], "scene.glb"), "rb") as file:
+            head = file.read(20)
+            meshes.extend(json.loads(file.read(int.from_bytes(head[12:16], "little")))["meshes"])
+        kept(*arguments)
+
+    engine.run = watched
     ids = stage.render("instances")["ViewLayer.IndexOB.X"]
+    engine.run = kept
+    check("they share their mesh", len(meshes) == 2)
     left, middle, right = (ids[:, k * 22 : k * 22 + 20] == 4 for k in range(3))
     check("instances of a collection stand in their places", left.any() and right.any() and not middle.any())
 
@@ -373,8 +384,9 @@ def lost():
     check("and lost spread", any("spread" in line and "softbox" in line for line in reports))
 
 
-CASES = [missing_program, program_that_fails, mistake_of_ours, folder_read_only, nothing_left, view_layers, hidden_objects, instances,
-         border, exact, frames, motion_blur, mattes, saved_file, integrators, denoised, transparent, lost, esc]
+CASES = [missing_program, program_that_fails, mistake_of_ours, folder_read_only, nothing_left, view_layers,
+         hidden_objects, instances, border, exact, frames, motion_blur, mattes, saved_file, integrators, denoised,
+         transparent, lost, esc]
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 for case in CASES:
     if not wanted or case.__name__ in wanted:

@@ -29,6 +29,7 @@ def lamp(kind, **values):
 
 INTENSITY = POWER / (4 * math.pi)
 BELOW = INTENSITY / HEIGHT**2
+AREA_WATTS = 4 if bpy.app.version < (4, 0, 0) else math.pi  # of a unit of radiance and a square metre
 
 check("point", lamp("POINT"), BELOW)
 check("point with a radius", lamp("POINT", shadow_soft_size=0.3), BELOW, 256)
@@ -51,14 +52,14 @@ for shape, x, y in (("SQUARE", 1.2, 1.2), ("RECTANGLE", 1.5, 0.5), ("DISK", 1.2,
     is_round = shape in ("DISK", "ELLIPSE")
     form = (stage.patch_of_ellipse if is_round else stage.patch_of_rectangle)(x, y, HEIGHT)
     area = x * y * (math.pi / 4 if is_round else 1)
-    check("area lamp, " + shape.lower(), lamp("AREA", shape=shape, size=x, size_y=y), form * POWER / (4 * area), 256)
+    check("area lamp, " + shape.lower(), lamp("AREA", shape=shape, size=x, size_y=y), form * POWER / (AREA_WATTS * area), 256)
 
 
 def scaled(_):
     stage.lamp("AREA", POWER, (0, 0, HEIGHT), shape="SQUARE", size=0.6).scale = (2, 2, 2)
 
 
-check("area lamp, scaled", scaled, stage.patch_of_rectangle(1.2, 1.2, HEIGHT) * POWER / (4 * 1.44), 256)
+check("area lamp, scaled", scaled, stage.patch_of_rectangle(1.2, 1.2, HEIGHT) * POWER / (AREA_WATTS * 1.44), 256)
 
 
 def with_nodes(_):

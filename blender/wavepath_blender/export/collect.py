@@ -71,12 +71,11 @@ def collect(scene, job, told):
     return found
 
 
-def clear(found):
-    for thing in list(found.flat.objects):
-        bpy.data.objects.remove(thing)
+def clear(found, scene):
+    """Leaves the given scene alone, as it was opened."""
+    bpy.context.window.scene = scene
+    bpy.data.batch_remove([*found.flat.objects, *found.meshes.values()])
     bpy.data.scenes.remove(found.flat)
-    for mesh in found.meshes.values():
-        bpy.data.meshes.remove(mesh)
 
 
 def gather(depsgraph, found, job, told):
@@ -125,8 +124,8 @@ def tell_of(thing, told):
 def add_surface(instance, depsgraph, found):
     thing, matrix = instance.object, instance.matrix_world.copy()
     slots = tuple(slot.material.name if slot.material else "" for slot in thing.material_slots)
-    # Not the object: those of geometry nodes' instances are temporary.
-    key = (thing.data.as_pointer(), thing.name, slots)
+    # Evaluated meshes are shared unless modifiers or slots differ. Of curves and such, each object has its own shape.
+    key = (thing.data.as_pointer(), "" if thing.type == "MESH" else thing.name, slots)
     if key not in found.meshes:
         mesh = bpy.data.meshes.new_from_object(thing, preserve_all_data_layers=True, depsgraph=depsgraph)
         drop_unused_colours(mesh)

@@ -70,5 +70,5 @@ def export_pose(folder, scene, job, moment, told):
     gltf.write(path, found.flat)
     flags = lens.flags_of(found, job, told) + shining.flags
     names = gltf.complete(path, found, shining)
-    collect.clear(found)
+    collect.clear(found, scene)
     return flags, names

@@ -10,6 +10,8 @@ import mathutils
 CORNERS = 64  # of a disc
 SUBDIVISIONS = 4  # of an icosahedron
 STEPS = 1000
+# Watts of an area lamp for each unit of radiance and square metre: Cycles has the true one since Blender 4.0.
+AREA_WATTS = 4.0 if bpy.app.version < (4, 0, 0) else math.pi
 SPOTS_HAVE_COSINE = bpy.app.version < (4, 0, 0)  # Cycles' cones grow dimmer with the cosine until there
 
 
@@ -34,7 +36,9 @@ def to_meshes(found, job, told):
             brightest = max(suns, key=lambda lamp: max(colour_of(lamp, None)))
             shining.flags += ["--sun-angle", repr(math.degrees(brightest.light.angle))]
         for lamp in suns:
-            if not job["soft_lamps"] or lamp.light.angle != brightest.light.angle:
+            if not job["soft_lamps"]:
+                told.add("angle of a sun: 0, as the integrator has hard suns alone", lamp.name)
+            elif lamp.light.angle != brightest.light.angle:
                 told.add("angle of a sun: that of the brightest", lamp.name)
     for lamp in found.lamps:
         kind, size = lamp.light.type, getattr(lamp.light, "shadow_soft_size", 0.0)
@@ -108,6 +112,8 @@ def inner_angle(outer, blend, with_cosine=SPOTS_HAVE_COSINE):
 
 def area_mesh(lamp, found, shining, told):
     light, matrix = lamp.light, lamp.matrix
+    if not getattr(light, "normalize", True):  # of later versions
+        told.add("area lamp whose power is not normalized: normalized", lamp.name)
     if getattr(light, "spread", math.pi) < math.pi - 1e-4:
         told.add("spread of an area lamp: 180 degrees", lamp.name)
     across = light.size
@@ -128,7 +134,7 @@ def area_mesh(lamp, found, shining, told):
     mesh = bpy.data.meshes.new(lamp.name)
     # Lamps shine along -Z: seen from there, these corners go counter-clockwise.
     mesh.from_pydata([(x * u, y * v, 0.0) for u, v in reversed(corners)], [], [tuple(range(len(corners)))])
-    add_shining(lamp, mesh, rigid(matrix), found, shining, 1 / (4 * area))
+    add_shining(lamp, mesh, rigid(matrix), found, shining, 1 / (AREA_WATTS * area))
 
 
 def sphere_mesh(lamp, found, shining, told):
