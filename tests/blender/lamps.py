@@ -52,7 +52,8 @@ for shape, x, y in (("SQUARE", 1.2, 1.2), ("RECTANGLE", 1.5, 0.5), ("DISK", 1.2,
     is_round = shape in ("DISK", "ELLIPSE")
     form = (stage.patch_of_ellipse if is_round else stage.patch_of_rectangle)(x, y, HEIGHT)
     area = x * y * (math.pi / 4 if is_round else 1)
-    check("area lamp, " + shape.lower(), lamp("AREA", shape=shape, size=x, size_y=y), form * POWER / (AREA_WATTS * area), 256)
+    check("area lamp, " + shape.lower(), lamp("AREA", shape=shape, size=x, size_y=y),
+          form * POWER / (AREA_WATTS * area), 256)
 
 
 def scaled(_):

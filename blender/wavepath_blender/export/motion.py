@@ -17,7 +17,7 @@ def join(path, later_path, told):
     document, binary = gltf.read_glb(path)
     later, later_binary = gltf.read_glb(later_path)
     nodes, later_nodes = document["nodes"], later["nodes"]
-    if [node.get("name") for node in nodes] != [node.get("name") for node in later_nodes]:
+    if [(n.get("name"), n.get("mesh")) for n in nodes] != [(n.get("name"), n.get("mesh")) for n in later_nodes]:
         told.add("motion blur where objects come or go: off", "shutter")
         return False
     builder = Builder(document, bytearray(binary))
