@@ -20,6 +20,11 @@ def is_flag(flag):
     return flag.head.startswith("-")
 
 
+def words_of(flag):
+    """Values that are words, and not placeholders."""
+    return [value for value in flag.choices() if value == value.lower() and value.isascii()]
+
+
 def bash(program):
     commands = commands_of(program)
     lines = ["# Completion of wavepath; written by packaging/completion.py.", "_wavepath() {",
@@ -33,7 +38,7 @@ def bash(program):
         lines += [f"    {name})", f"      flags='{names}'", "      case $previous in"]
         for flag in flags:
             if flag.choices():
-                values = " ".join(value for value in flag.choices() if value.isascii() and value.islower())
+                values = " ".join(words_of(flag))
                 lines += [f"        {'|'.join(flag.names())}) values='{values}' ;;"]
         lines += ["      esac", "      ;;"]
     lines += ["  esac", '  if [[ $values ]]; then', '    COMPREPLY=($(compgen -W "$values" -- "$current"))',
@@ -62,7 +67,7 @@ def zsh(program):
             value = flag.head.split(", ")[-1].partition(" ")[2]
             action = ""
             if flag.choices():
-                action = f":value:({' '.join(one for one in flag.choices() if one.isascii() and one.islower())})"
+                action = f":value:({' '.join(words_of(flag))})"
             elif value:
                 action = ":file:_files" if "FILE" in value else f":{quoted(value)}:"
             equals = "=" if value else ""
