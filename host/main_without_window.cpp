@@ -26,7 +26,7 @@ void become_window(char** arguments) {
 Command add_missing_view(CLI::App& app, const std::string&) {
   CLI::App* command = add_command(app, "view", "render a scene in a window");
   add_flag(
-      *command, "Scene", {"SCENE", "glTF 2.0 file, .gltf or .glb"}, [](const FlagValue&) {}, true);
+      *command, "Scene", {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, [](const FlagValue&) {}, true);
   return
       []() -> int { throw Error("view", "the program wavepath-view is missing", "install the package wavepath-view"); };
 }
