@@ -62,13 +62,7 @@ def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
     for folder in ("bvh", "kernels", "host", "include", "python", "examples", "scenes", "tests", "benchmarks", "docs",
-<<<<<<< HEAD
-                   "farm", "blender", ".ci"):
-||||||| parent of fe1bdec2 (Packages: a page, tests of man pages and completion, a container file)
-                   "farm", ".ci"):
-=======
-                   "farm", "packaging", ".ci"):
->>>>>>> fe1bdec2 (Packages: a page, tests of man pages and completion, a container file)
+                   "farm", "packaging", "blender", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md",
                                    "CHANGELOG.md"))
