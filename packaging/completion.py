@@ -27,10 +27,11 @@ def words_of(flag):
 
 def bash(program):
     commands = commands_of(program)
+    names = " ".join(name for name, _ in commands)
     lines = ["# Completion of wavepath; written by packaging/completion.py.", "_wavepath() {",
-             "  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}",
-             "  local flags= values= files=", "  if ((COMP_CWORD == 1)); then",
-             f"    COMPREPLY=($(compgen -W '{' '.join(name for name, _ in commands)} --help --version' -- \"$current\"))",
+             "  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}",
+             "  local command=${COMP_WORDS[1]} flags= values=", "  if ((COMP_CWORD == 1)); then",
+             f"    COMPREPLY=($(compgen -W '{names} --help --version' -- \"$current\"))",
              "    return", "  fi", "  case $command in"]
     for name, _ in commands:
         flags = [flag for flag in read(program, name).flags() if is_flag(flag)]
