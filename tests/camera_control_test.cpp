@@ -1,5 +1,5 @@
 // The camera that the user moves: where it goes, and that its flags say exactly where it is.
-#include "host/view/camera_control.h"
+#include "host/session/viewing/camera_control.h"
 #include "host/scene/staging/view_flags.h"
 
 #include <cmath>

@@ -26,14 +26,12 @@
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/pack/plan.h"
+#include "host/session/viewing/render_line.h"
 #include "tests/gltf_builder.h"
 #include "tests/probe.h"
 #include "tests/run_wavepath.h"
 #include "tests/shadow_scene.h"
 #include "tests/temporary_folder.h"
-#ifdef WAVEPATH_VIEWER
-#include "host/view/render_line.h"
-#endif
 
 namespace wavepath::test {
 namespace {
@@ -590,7 +588,6 @@ TEST_F(GroupProgram, InfoListsThemOrTheNamesThatTheyMayHave) {
   EXPECT_NE(refused.err.find("Key, Fill light, glow"), std::string::npos) << refused.err;
 }
 
-#ifdef WAVEPATH_VIEWER
 // The picture that the window saves is that of the line which it copies.
 TEST_F(GroupProgram, TheCopiedLineOfAMixRepeatsIt) {
   ASSERT_EQ(render("whole.exr", {"--light-groups", "Fill light,glow", "--reuse", "off"}).exit_code, 0);
@@ -620,7 +617,6 @@ TEST_F(GroupProgram, TheCopiedLineOfAMixRepeatsIt) {
   const Picture mix = read_picture(path("mix.exr"));
   for (const char* c : {"R", "G", "B"}) EXPECT_EQ(find_channel(mix, c)->values, find_channel(shown, c)->values) << c;
 }
-#endif
 
 // The mix of scaled layers is the sum of those that it holds, whatever their names.
 TEST_F(GroupProgram, RelightWritesTheNewMix) {

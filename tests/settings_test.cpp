@@ -22,9 +22,7 @@
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/session/resolve.h"
-#ifdef WAVEPATH_VIEWER
-#include "host/view/render_line.h"
-#endif
+#include "host/session/viewing/render_line.h"
 
 namespace wavepath::test {
 namespace {
@@ -182,11 +180,7 @@ RenderSettings base_for(const Setting& row) {
 std::string identity(const RenderSettings& settings) { return identity_of(1, View{}, settings); }
 
 std::string line_of(const RenderSettings& settings) {
-#ifdef WAVEPATH_VIEWER
   return render_line("scene.gltf", {}, settings, {.auto_exposure = true}, "");
-#else
-  return "wavepath render scene.gltf" + flags_of(settings);
-#endif
 }
 
 // The settings that `wavepath render` makes of a command line.

@@ -30,9 +30,10 @@ DOWNHILL = [
     "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster",
     "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/transparency",
     "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid",
-    "host/integrators/whitted", "host/integrators", "host/passes", "host/session", "benchmarks",
-    "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host/library",
-    "host",
+    "host/integrators/whitted", "host/integrators", "host/passes", "host/session", "host/session/viewing",
+    "benchmarks",
+    "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/serve", "host/cli",
+    "host/library", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}
 DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md",

@@ -13,7 +13,7 @@
 #include "host/scene/pack/light_groups.h"
 #include "host/session/resolve.h"
 #include "host/session/session.h"
-#include "host/view/viewed_scene.h"
+#include "host/session/viewing/viewed_scene.h"
 #include "tests/gltf_builder.h"
 #include "tests/vulkan_device.h"
 

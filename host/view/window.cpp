@@ -17,14 +17,14 @@
 #include "host/render/progressive/shadow_comparison.h"
 #include "host/render/settings/settings_table.h"
 #include "host/scene/pack/pick.h"
-#include "host/view/camera_control.h"
+#include "host/session/viewing/camera_control.h"
+#include "host/session/viewing/render_line.h"
+#include "host/session/viewing/steering.h"
 #include "host/view/divider.h"
 #include "host/view/glfw.h"
 #include "host/view/overlay.h"
 #include "host/view/panel.h"
 #include "host/view/presenter.h"
-#include "host/view/render_line.h"
-#include "host/view/steering.h"
 
 namespace wavepath {
 namespace {
@@ -222,7 +222,13 @@ void Viewer::take_input(double seconds) {
     flight = this->flight();
     for (const KeyPress& key : input.keys) press(key);
   }
-  if (steer(camera_, input, flight, seconds, window_.size())) move_camera();
+  const double height = std::max(1u, window_.size().y);
+  const Drags drags{.left = input.drag_left / height,
+                    .middle = input.drag_middle / height,
+                    .right = input.drag_right / height,
+                    .scroll = input.scroll,
+                    .shift = (input.modifiers & GLFW_MOD_SHIFT) != 0};
+  if (steer(camera_, drags, flight, seconds)) move_camera();
 }
 
 Flight Viewer::flight() const {

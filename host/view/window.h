@@ -10,8 +10,8 @@
 #include "host/render/progressive/display.h"
 #include "host/render/settings/render_plan.h"
 #include "host/scene/staging/framing.h"
+#include "host/session/viewing/viewed_scene.h"
 #include "host/view/comparison_choice.h"
-#include "host/view/viewed_scene.h"
 
 namespace wavepath {
 

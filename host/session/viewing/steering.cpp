@@ -1,4 +1,4 @@
-#include "host/view/steering.h"
+#include "host/session/viewing/steering.h"
 
 #include <algorithm>
 
@@ -14,23 +14,20 @@ constexpr double kLongestStep = 0.1;         // seconds that one picture may tak
 
 } // namespace
 
-bool steer(CameraControl& camera, const Input& input, const Flight& flight, double seconds, const glm::uvec2& size) {
-  const double height = std::max(1u, size.y);
-  const bool shift = input.modifiers & GLFW_MOD_SHIFT;
-  const glm::dvec2 left = input.drag_left / height, middle = input.drag_middle / height,
-                   right = input.drag_right / height, none(0.0);
-  const glm::dvec2 pan = middle + (shift ? left : none);
+bool steer(CameraControl& camera, const Drags& drags, const Flight& flight, double seconds) {
+  const glm::dvec2 left = drags.left, right = drags.right, none(0.0);
+  const glm::dvec2 pan = drags.middle + (drags.shift ? left : none);
   bool moved = false;
-  if (left != none && !shift) camera.orbit(kTurn * left.x, kTurn * left.y), moved = true;
+  if (left != none && !drags.shift) camera.orbit(kTurn * left.x, kTurn * left.y), moved = true;
   if (pan != none) camera.pan(pan.x, pan.y), moved = true;
   if (right != none) {
-    if (shift)
+    if (drags.shift)
       camera.dolly(-2.0 * right.y);
     else
       camera.look(kTurn * right.x, kTurn * right.y);
     moved = true;
   }
-  if (input.scroll != 0.0) camera.dolly(kNotch * input.scroll), moved = true;
+  if (drags.scroll != 0.0) camera.dolly(kNotch * drags.scroll), moved = true;
   if (flight.direction != glm::dvec3(0.0)) {
     camera.fly(std::min(seconds, kLongestStep) * kSpeed * (flight.fast ? kFast : 1.0) * flight.direction);
     moved = true;

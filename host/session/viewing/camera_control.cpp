@@ -1,4 +1,4 @@
-#include "host/view/camera_control.h"
+#include "host/session/viewing/camera_control.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/view/render_line.h"
+#include "host/session/viewing/render_line.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "host/view/viewed_scene.h"
+#include "host/session/viewing/viewed_scene.h"
 
 #include "host/base/error.h"
 #include "host/render/settings/setting.h"
