@@ -1,6 +1,8 @@
-// wavepath: the program, with its window.
+// wavepath: the program, with its window and its server.
+#include "host/cli/commands.h"
 #include "host/cli/program.h"
 
 int main(int argument_count, char** arguments) {
-  return wavepath::run_program(argument_count, arguments, wavepath::add_view);
+  constexpr wavepath::OwnCommand kOwn[] = {{"view", wavepath::add_view}, {"serve", wavepath::add_serve}};
+  return wavepath::run_program(argument_count, arguments, kOwn);
 }

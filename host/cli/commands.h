@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 
 #include "host/base/warnings.h"
@@ -23,6 +24,7 @@ inline constexpr int kExitReaderGone = 141;
 // `command_line`: as the user typed it, for the record.
 Command add_render(CLI::App& app, const std::string& command_line);
 Command add_view(CLI::App& app, const std::string& command_line);
+Command add_serve(CLI::App& app, const std::string& command_line);
 Command add_info(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_bench(CLI::App& app);
@@ -35,9 +37,14 @@ Command add_study(CLI::App& app, const std::string& command_line);
 // Adds a command; `command_line`: as the user typed it.
 using AddCommand = Command (*)(CLI::App& app, const std::string& command_line);
 
-// Parses, runs and returns the exit code. `view`: adds the command `view`; null where there is no window, as in the
-// library. Throws Error, and UsageError for a command line that makes no sense.
-int run(int argument_count, const char* const* arguments, AddCommand view);
+// A command of the program alone, which the library does not have.
+struct OwnCommand {
+  const char* name;
+  AddCommand add;
+};
+
+// Parses, runs and returns the exit code. Throws Error, and UsageError for a command line that makes no sense.
+int run(int argument_count, const char* const* arguments, std::span<const OwnCommand> own = {});
 
 // Prints one line for each kind of warning on stderr.
 void print_warnings(const Warnings& warnings);

@@ -1,6 +1,7 @@
 #include "host/cli/program.h"
 
 #include <exception>
+#include <span>
 #include <string>
 
 #include "host/base/failure.h"
@@ -17,8 +18,8 @@ int fail(int exit_code, const std::string& message) {
   return exit_code;
 }
 
-int run_and_report(int argument_count, const char* const* arguments, AddCommand view) try {
-  const int exit_code = run(argument_count, arguments, view);
+int run_and_report(int argument_count, const char* const* arguments, std::span<const OwnCommand> own) try {
+  const int exit_code = run(argument_count, arguments, own);
   flush_out();
   return exit_code;
 } catch (const ReaderGone&) {
@@ -31,11 +32,11 @@ int run_and_report(int argument_count, const char* const* arguments, AddCommand 
 
 } // namespace
 
-int run_program(int argument_count, const char* const* arguments, AddCommand view) {
+int run_program(int argument_count, const char* const* arguments, std::span<const OwnCommand> own) {
   seconds_since_process_start(); // the clock starts
   open_standard_streams();
   ignore_write_signals();
-  const int exit_code = run_and_report(argument_count, arguments, view);
+  const int exit_code = run_and_report(argument_count, arguments, own);
   const auto messages = Device::validation_messages();
   if (messages > 0) return fail(kExitFailed, fmt::format("Vulkan validation: {} messages; report them", messages));
   return exit_code;

@@ -65,7 +65,7 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
 
 } // namespace
 
-int run(int argument_count, const char* const* arguments, AddCommand view) {
+int run(int argument_count, const char* const* arguments, std::span<const OwnCommand> own) {
   CLI::App app("path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
   set_help_layout(app);
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
@@ -79,7 +79,7 @@ int run(int argument_count, const char* const* arguments, AddCommand view) {
   const std::string line = quote(argument_count, arguments);
   std::map<std::string, Command> commands;
   commands["render"] = add_render(app, line);
-  if (view) commands["view"] = view(app, line);
+  for (const OwnCommand& command : own) commands[command.name] = command.add(app, line);
   commands["info"] = add_info(app);
   commands["compare"] = add_compare(app);
   commands["bench"] = add_bench(app);

@@ -113,7 +113,7 @@ DecodedImage decode_jpeg(std::span<const std::uint8_t> file, const CheckShape& c
   return image;
 }
 
-std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image) {
+std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image, const JpegOptions& options) {
   Owner<jpeg_compress_struct> owner;
   jpeg_compress_struct& codec = owner.codec;
   struct Output { // grown by libjpeg with malloc
@@ -129,9 +129,9 @@ std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image) {
     codec.input_components = static_cast<int>(image.shape.channels);
     codec.in_color_space = image.shape.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
     jpeg_set_defaults(&codec);
-    jpeg_set_quality(&codec, 95, TRUE);
+    jpeg_set_quality(&codec, options.quality, TRUE);
     for (int c = 0; c < codec.num_components; ++c)
-      codec.comp_info[c].h_samp_factor = codec.comp_info[c].v_samp_factor = 1;
+      codec.comp_info[c].h_samp_factor = codec.comp_info[c].v_samp_factor = c == 0 && options.halves_colours ? 2 : 1;
     jpeg_start_compress(&codec, TRUE);
     const std::size_t row_bytes = std::size_t{image.shape.width} * image.shape.channels;
     while (codec.next_scanline < codec.image_height) {

@@ -14,7 +14,13 @@ namespace wavepath {
 // Throws ImageError; also where libjpeg only warns, but pixels are missing or wrong.
 DecodedImage decode_jpeg(std::span<const std::uint8_t> file, const CheckShape& check);
 
-// `bytes` of one or three channels, at most 65500 pixels wide and high: quality 95, colours at full resolution.
-std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image);
+// `quality`: 1 to 100, as libjpeg has it. `halves_colours`: stored at half the width and height.
+struct JpegOptions {
+  int quality = 95;
+  bool halves_colours = false;
+};
+
+// `bytes` of one or three channels, at most 65500 pixels wide and high.
+std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image, const JpegOptions& options = {});
 
 } // namespace wavepath

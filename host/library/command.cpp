@@ -26,13 +26,13 @@ Printed command(const std::vector<std::string>& words) {
     std::vector<const char*> arguments = {"wavepath"};
     for (const std::string& word : words) arguments.push_back(word.c_str());
     wavepath::KeptWords kept;
-    const int exit_code = wavepath::run(static_cast<int>(arguments.size()), arguments.data(), nullptr);
+    const int exit_code = wavepath::run(static_cast<int>(arguments.size()), arguments.data());
     return Printed{std::move(kept.out), std::move(kept.err), exit_code};
   });
 }
 
 int command_line(int argument_count, const char* const* arguments) {
-  return wavepath::run_program(argument_count, arguments, nullptr);
+  return wavepath::run_program(argument_count, arguments);
 }
 
 } // namespace wavepath_v0

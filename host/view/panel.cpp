@@ -8,8 +8,8 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
+#include "host/session/viewing/viewed_scene.h"
 
 namespace wavepath {
 namespace {
@@ -136,11 +136,6 @@ void show_shadows(PanelState& state, const PanelFacts& facts) {
   text(fmt::format("error of direct light {:.2f} %", 100.0 * facts.score->relative_rms));
 }
 
-// A window filters frames; the filter of finished pictures is not for it.
-bool is_shown(const Setting& row, const IntegratorKind& kind) {
-  return row.label && is_supported(row, kind) && !(row.name == "denoise" && kind.traces_paths);
-}
-
 // The widget of a setting, by the kind of its value. True if it was changed.
 bool widget(const Setting& row, RenderPlan& settings) {
   if (const auto* kind = std::get_if<ChoiceValue>(&row.value); kind && !kind->bare.empty()) {
@@ -179,9 +174,8 @@ void show_transport(PanelState& state, PanelWishes& wishes) {
   RenderPlan& settings = state.settings;
   const std::uint32_t planned = settings.sample_total;
   for (const Setting& row : settings_table())
-    if (is_shown(row, *settings.integrator)) wishes.settings |= widget(row, settings);
-  if (denoises_film(settings)) settings.denoise = kDenoiseOff; // the integrator has become another
-  if (settings.sample_total != planned) settings.last_sample = settings.sample_total;
+    if (is_viewed(row, *settings.integrator)) wishes.settings |= widget(row, settings);
+  settle(settings, planned);
   label("target error, %");
   auto percent = static_cast<float>(100.0 * state.target_error);
   if (ImGui::InputFloat("##target", &percent, 0.0f, 0.0f, "%.3g")) state.target_error = std::max(0.0f, percent) / 100.0;

@@ -101,7 +101,7 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
   if (*format == PictureFormat::png)
     write_display(path, picture, options, options.bits, true, encode_png);
   else
-    write_display(path, picture, options, 8, false, encode_jpeg);
+    write_display(path, picture, options, 8, false, [](const DecodedImage& image) { return encode_jpeg(image); });
   return 0;
 }
 

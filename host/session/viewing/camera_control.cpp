@@ -99,6 +99,13 @@ bool CameraControl::focus(const glm::dvec3& point) {
   return true;
 }
 
+void CameraControl::see(const ViewRequest& request) {
+  if (request.eye) request_.eye = request.eye;
+  if (request.look_at) request_.look_at = request.look_at;
+  if (request.up) request_.up = request.up;
+  if (request.yfov) request_.yfov = request.yfov;
+}
+
 bool CameraControl::choose(std::size_t camera) {
   if (camera >= cameras_.cameras.size()) return false;
   const ViewRequest before = request_;

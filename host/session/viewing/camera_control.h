@@ -35,6 +35,9 @@ public:
   // Turns towards a point of the world, about which to orbit from now on. False if the eye is there.
   bool focus(const glm::dvec3& point);
 
+  // What the request has of eye, target, up and angle, in place of those of now.
+  void see(const ViewRequest& request);
+
   void reset() { request_ = initial_; }
   // Position, direction and angle of a camera of the file. What its flags say of the projection stays: --projection,
   // --fov, --ymag, --shift, --intrinsics, --clip and --stereo. False if the scene has no such camera. Throws Error

@@ -1,6 +1,7 @@
 #include "host/session/viewing/viewed_scene.h"
 
 #include "host/base/error.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/setting.h"
 #include "host/scene/pack/light_groups.h"
 
@@ -8,6 +9,15 @@ namespace wavepath {
 
 SessionRequest session_request(const SceneRequest& scene, const RenderRequest& render) {
   return {.scene = scene, .render = render, .use = SessionUse::light, .keeps_cut = true};
+}
+
+bool is_viewed(const Setting& row, const IntegratorKind& kind) {
+  return row.label && is_supported(row, kind) && !(row.name == "denoise" && kind.traces_paths);
+}
+
+void settle(RenderPlan& settings, std::uint32_t planned) {
+  if (denoises_film(settings)) settings.denoise = kDenoiseOff; // the integrator has become another
+  if (settings.sample_total != planned) settings.last_sample = settings.sample_total;
 }
 
 ViewedScene::ViewedScene(Session& session, const RenderPlan& settings)

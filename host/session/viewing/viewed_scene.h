@@ -1,5 +1,5 @@
-// The scene in a window: a session, the render of it that the window steps, and the renders that its shadows are
-// compared with. What the user changes becomes edits of the session, which tells what they had redone.
+// The scene that a viewer shows: a session, the render of it that the viewer steps, and the renders that its shadows
+// are compared with. What the user changes becomes edits of the session, which tells what they had redone.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,20 @@
 
 #include "host/render/progressive/progressive.h"
 #include "host/render/progressive/shadow_comparison.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/render_plan.h"
+#include "host/render/settings/setting.h"
 #include "host/session/session.h"
 
 namespace wavepath {
 
 // What a window wants of its session: no more than it changes is kept, and a move of the camera must not wait.
 SessionRequest session_request(const SceneRequest& scene, const RenderRequest& render);
+
+// Whether a viewer offers this setting. It filters frames; the filter of finished pictures is not for it.
+bool is_viewed(const Setting& row, const IntegratorKind& kind);
+// After settings were changed one by one: what others follow. `planned`: samples a pixel before.
+void settle(RenderPlan& settings, std::uint32_t planned);
 
 class ViewedScene {
 public:
