@@ -34,6 +34,7 @@ namespace {
 
 // Seconds.
 constexpr double kMotionPause = 1.0 / 60.0; // between pictures while the camera moves, at least,
+constexpr double kCoarsePicture = 0.05;     // that one of those may take: half of the window's, as its way is longer
 constexpr double kFirstPause = 0.1;         // and while it stands still: at first,
 constexpr double kLongestPause = 1.0;       // and at last; it grows with the samples
 constexpr double kExactPause = 2.0;         // and where they are stored without loss,
@@ -93,6 +94,7 @@ public:
         first_environment_(environment_.source),
         target_error_(request.target_error) {
     camera_.resize(settings_.width, settings_.height);
+    render_.set_coarse_seconds(kCoarsePicture);
   }
 
   void run() {

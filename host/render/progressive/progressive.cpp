@@ -11,7 +11,6 @@ namespace wavepath {
 namespace {
 
 constexpr double kLongestWave = 0.015;         // seconds: with two in flight, a window stays responsive
-constexpr double kCoarsePicture = 0.1;         // seconds that a picture may take while the camera moves
 constexpr std::uint32_t kCoarsest = 8;         // pixels a side
 constexpr std::uint32_t kMostSlots = 1u << 21; // more paths take no GPU so little time
 
@@ -121,7 +120,7 @@ std::uint32_t Progressive::choose_coarse() const {
   loop_->drain(); // so that the last pass counts
   const double pixel_seconds = loop_->pixel_seconds();
   const auto frame = [&] { return pixel_seconds * pixels_of(settings_) / (coarse * coarse); };
-  while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > kCoarsePicture)) coarse *= 2;
+  while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > coarse_seconds_)) coarse *= 2;
   return coarse;
 }
 

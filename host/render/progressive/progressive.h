@@ -62,6 +62,10 @@ public:
   // Lets go of the scene and of all that it has on the device; until the next set_scene() it can do nothing else.
   void release() { loop_.reset(); }
 
+  // How long a picture may take while the camera moves. A move is shown by the picture after the one that is on its
+  // way.
+  void set_coarse_seconds(double seconds) { coarse_seconds_ = seconds; }
+
   const RenderPlan& settings() const { return settings_; }
   const View& view() const { return view_; }
   bool moving() const { return moving_; }
@@ -102,6 +106,7 @@ private:
   std::uint32_t motion_frames_ = 0; // frames while the camera moved
   bool moving_ = false, compiling_ = false;
   std::uint32_t coarse_ = 1;
+  double coarse_seconds_ = 0.1;
 };
 
 } // namespace wavepath

@@ -261,6 +261,11 @@ id('auto-exposure').onchange = () =>
     send({type: 'display', exposure: id('auto-exposure').checked ? 'auto' : +id('exposure').value});
 id('width').onchange = id('height').onchange = () =>
     send({type: 'size', width: +id('width').value, height: +id('height').value});
+id('fit').onclick = () => {
+  const stage = getComputedStyle(id('stage')), ratio = window.devicePixelRatio || 1;
+  const side = (length, padding) => Math.min(4096, Math.max(16, Math.floor((length - 2 * parseFloat(padding)) * ratio)));
+  send({type: 'size', width: side(id('stage').clientWidth, stage.paddingLeft), height: side(id('stage').clientHeight, stage.paddingTop)});
+};
 id('target').onchange = () => send({type: 'target', error: Math.min(1, Math.max(0, +id('target').value / 100))});
 id('environment').onchange = id('intensity').onchange = id('rotation').onchange = () =>
     send({type: 'environment', source: id('environment').value.trim(), intensity: +id('intensity').value,
