@@ -1,6 +1,5 @@
 #include "host/serve/frame.h"
 
-#include <algorithm>
 #include <bit>
 #include <vector>
 
@@ -37,18 +36,13 @@ std::string bytes_of(const FrameHeader& header) {
 }
 
 std::string encode_screen(std::span<const std::uint32_t> screen, std::uint32_t width, std::uint32_t height,
-                          std::uint32_t coarse, FrameQuality quality) {
+                          FrameQuality quality) {
   DecodedImage image;
-  image.shape = {(width + coarse - 1) / coarse, (height + coarse - 1) / coarse, 3};
+  image.shape = {width, height, 3};
   image.bytes.resize(image.shape.pixels() * 3);
   std::uint8_t* to = image.bytes.data();
-  for (std::uint32_t y = 0; y < image.shape.height; ++y) {
-    const std::uint32_t row = std::min(y * coarse + coarse / 2, height - 1);
-    for (std::uint32_t x = 0; x < image.shape.width; ++x) {
-      const std::uint32_t word = screen[std::size_t{row} * width + std::min(x * coarse + coarse / 2, width - 1)];
-      for (int c = 0; c < 3; ++c) *to++ = static_cast<std::uint8_t>(word >> 8 * c);
-    }
-  }
+  for (const std::uint32_t word : screen)
+    for (int c = 0; c < 3; ++c) *to++ = static_cast<std::uint8_t>(word >> 8 * c);
   const std::vector<std::uint8_t> file =
       quality == FrameQuality::exact ? encode_png(image)
                                      : encode_jpeg(image, quality == FrameQuality::motion ? kInMotion : kStanding);

@@ -28,9 +28,8 @@ std::string bytes_of(const FrameHeader& header);
 // How well the image is stored: for a picture in motion; for one that converges; without loss.
 enum class FrameQuality { motion, rendering, exact };
 
-// The image file of a screen of `width` times `height` words, R first. Where `coarse` pixels of it show the same, one
-// of them is kept. Throws ImageError.
+// The image file of `width` times `height` words, R first. Throws ImageError.
 std::string encode_screen(std::span<const std::uint32_t> screen, std::uint32_t width, std::uint32_t height,
-                          std::uint32_t coarse, FrameQuality quality);
+                          FrameQuality quality);
 
 } // namespace wavepath

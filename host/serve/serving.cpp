@@ -176,6 +176,7 @@ void Serving::take(const ViewerNews& news) {
   switch (news.kind) {
     case ViewerNews::Kind::joined:
       viewers_.push_back(news.viewer);
+      last_change_ = seconds_now(); // the first picture is to come soon, and that without loss later
       server_.send(news.viewer, scene_report());
       server_.send(news.viewer, told_status_.empty() ? status_json({.status = status_}) : told_status_);
       if (driver_ == 0)
@@ -482,7 +483,9 @@ void Serving::show_picture() {
     least = exact ? kExactPause : std::min(grown, kLongestPause);
   }
   if (since < least) return;
-  display_.draw(render_, shown_);
+  DisplayOptions options = shown_;
+  options.coarse = true; // browsers enlarge it
+  display_.draw(render_, options);
   std::vector<std::uint32_t> copy;
   const std::size_t pixels = std::size_t{display_.width()} * display_.height();
   const auto screen = look_at(display_.pixels(), pixels, copy);
@@ -496,12 +499,11 @@ void Serving::show_picture() {
   header.coarse = static_cast<std::uint16_t>(status_.coarse);
   header.format = exact ? FrameFormat::png : FrameFormat::jpeg;
   header.done = status_.done ? 1 : 0;
-  header.width = static_cast<std::uint16_t>(display_.width());
-  header.height = static_cast<std::uint16_t>(display_.height());
+  header.width = static_cast<std::uint16_t>(settings_.width);
+  header.height = static_cast<std::uint16_t>(settings_.height);
   if (status_.error_spp > 0) header.error = static_cast<float>(status_.error.relative_rms);
   header.seconds = static_cast<float>(status_.seconds);
-  server_.show(header.number,
-               bytes_of(header) + encode_screen(screen, display_.width(), display_.height(), status_.coarse, quality));
+  server_.show(header.number, bytes_of(header) + encode_screen(screen, display_.width(), display_.height(), quality));
   frame_spp_ = status_.spp, frame_coarse_ = status_.coarse, frame_count_ = count;
   frame_exact_ = exact, frame_done_ = status_.done, must_draw_ = false;
   last_frame_ = seconds_now();

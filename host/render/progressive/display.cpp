@@ -58,9 +58,11 @@ Display::Display(Device& device) : device_(device), pixels_(device, 0) {
 
 void Display::draw(const Progressive& progressive, const DisplayOptions& options, std::uint32_t first_column) {
   const RenderPlan& settings = progressive.settings();
-  if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const FilmTarget& film = progressive.film_target();
   const FilmShape& shape = film.shape();
+  const std::uint32_t width = options.coarse ? shape.width : settings.width,
+                      height = options.coarse ? shape.height : settings.height;
+  if (width != width_ || height != height_) resize(width, height);
   const bool lacks = options.shown == Shown::shadow_error || (needs_aovs(options.shown) && !shape.aovs) ||
                      !can_show(*settings.integrator, options.shown);
   const Shown shown = lacks ? Shown::color : options.shown;

@@ -57,6 +57,7 @@ struct DisplayOptions {
   double range =
       // Value that is shown brightest, for depth (metres), position (metres), samples, error, variance; 0 = automatic.
       0.0;
+  bool coarse = false;            // drawn at the size of the film, which is smaller while the camera moves
   std::vector<float> group_gains; // of groups of lights, for colour; empty = all 1
 
   bool mixes() const {
@@ -77,7 +78,8 @@ public:
   void show(const Picture& picture, bool bgra);
 
   // The encoded pixels: sRGB, one word a pixel, row-major from the top left, width() * height() words, the full size of
-  // the render. Valid until the next draw(), which may replace the buffer if the size has changed.
+  // the render unless it was drawn coarse. Valid until the next draw(), which may replace the buffer if the size has
+  // changed.
   const Buffer& pixels() const { return pixels_; }
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
