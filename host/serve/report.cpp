@@ -92,7 +92,6 @@ std::string status_json(const StatusReport& report) {
   const bool knows = s.error_spp > 0;
   const double all = s.fraction > 0.0 ? s.seconds * (1.0 - s.fraction) / s.fraction : NAN;
   const char* state = s.compiling      ? "compiling kernels"
-                      : report.paused  ? "waiting for a viewer"
                       : report.reached ? "target reached"
                       : s.done         ? "done"
                       : s.coarse > 1   ? "moving"

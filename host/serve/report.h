@@ -34,7 +34,7 @@ struct StatusReport {
   double exposure = 0.0;     // stops, in use
   double target_error = 0.0; // 0 = none
   double seconds_to_target = 0.0;
-  bool reached = false, paused = false;
+  bool reached = false;
   std::size_t viewers = 0;
 };
 std::string status_json(const StatusReport& report);

@@ -42,6 +42,7 @@ constexpr double kExactRest = 3.0;          // which they are so long after the 
 constexpr double kStatusPause = 0.25;
 constexpr double kIdle = 0.1;        // until a viewer, the end or the error is looked for again
 constexpr double kRest = 0.15;       // without a move, after which the picture is rendered in full
+constexpr double kUnseenRest = 1.0;  // the same where no viewer has been shown the move
 constexpr double kDriverRest = 10.0; // without a word of the one who steers, after which whoever asks may
 constexpr std::uint32_t kLargest = 4096, kSmallest = 16; // pixels a side that viewers may ask for
 constexpr std::size_t kKnownMoves = 64;
@@ -102,7 +103,8 @@ public:
     while (!request_.ends()) {
       for (const ViewerNews& news : server_.take(worked ? 0.0 : pause())) take(news);
       apply();
-      if (render_.moving() && !dragging_ && seconds_now() - last_move_ >= kRest) scene_.rest();
+      if (may_rest()) scene_.rest();
+      send_files();
       worked = (has_work() || status_.done) && scene_.step(); // once done, it takes in the last estimate of the error
       status_ = render_.status();
       choose_exposure();
@@ -127,6 +129,8 @@ private:
   void let_steer(std::uint32_t viewer);
   void apply();
   void take_settings();
+  bool may_rest() const;
+  void send_files();
   void send_file(std::uint32_t request, const std::string& format);
 
   // What they get.
@@ -162,7 +166,8 @@ private:
   std::uint32_t last_count_ = 0;
   std::deque<std::pair<View, std::uint32_t>> moves_; // and the count of the message that made each
   double last_move_ = 0.0;
-  std::map<std::uint32_t, glm::dvec2> picks_; // the last one of each viewer
+  std::map<std::uint32_t, glm::dvec2> picks_;                // the last one of each viewer
+  std::vector<std::pair<std::uint32_t, std::string>> files_; // requests that wait, and their formats
 
   std::uint32_t frame_ = 0, frame_spp_ = 0, frame_coarse_ = 0, frame_count_ = 0; // of the last picture
   bool frame_exact_ = false, frame_done_ = false, must_draw_ = true;
@@ -195,7 +200,8 @@ void Serving::take(const ViewerNews& news) {
       }
       return;
     case ViewerNews::Kind::wants_file:
-      return send_file(news.viewer, news.format);
+      files_.emplace_back(news.viewer, news.format);
+      return;
     case ViewerNews::Kind::message:
       try {
         take(news.viewer, news.message);
@@ -417,9 +423,21 @@ void Serving::take_settings() {
   tell_scene();
 }
 
+// A move has been shown before the picture is rendered in full, however short it was.
+bool Serving::may_rest() const {
+  if (!render_.moving() || dragging_) return false;
+  const double still = seconds_now() - last_move_;
+  const bool is_shown = moves_.empty() || frame_count_ == moves_.back().second;
+  return still >= (is_shown ? kRest : kUnseenRest);
+}
+
+// While the camera moves, a picture is a coarse one.
+void Serving::send_files() {
+  if (files_.empty() || render_.spp() == 0 || render_.coarse() > 1 || render_.moving()) return;
+  for (const auto& [request, format] : std::exchange(files_, {})) send_file(request, format);
+}
+
 void Serving::send_file(std::uint32_t request, const std::string& format) try {
-  if (render_.spp() == 0 || render_.coarse() > 1 || render_.moving())
-    return server_.refuse_file(request, "the picture is not whole yet; ask again once it stands still");
   const PassingFolder folder;
   const std::string stem = std::filesystem::path(scene_.session().scene().path).stem().string();
   std::string name; // letters that a header can hold
