@@ -414,8 +414,10 @@ TEST_F(ServerTest, TwoPicturesGoOutUnacknowledgedThenTheNewest) {
   EXPECT_EQ(number_of(slow->next()), 1);
   EXPECT_EQ(number_of(slow->next()), 2);
   EXPECT_FALSE(slow->next(0.3));
+  server_->show(5, "5"); // overtaken on its way
   slow->say(R"({"type":"ack","frame":2})");
   EXPECT_EQ(number_of(slow->next()), 6);
+  EXPECT_FALSE(watching->next(0.1));
   EXPECT_TRUE(server_->wants_frame());
 }
 

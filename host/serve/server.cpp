@@ -575,6 +575,7 @@ void Server::show(std::uint32_t number, std::string bytes) {
   Hub& hub = inside_->hub;
   auto frame = std::make_shared<const NumberedFrame>(NumberedFrame{number, std::move(bytes)});
   asio::post(hub.io, [&hub, frame = std::move(frame)]() mutable {
+    if (hub.newest && hub.newest->number > frame->number) return; // it was overtaken
     hub.newest = std::move(frame);
     for (const auto& [id, viewer] : hub.viewers) viewer->write();
   });

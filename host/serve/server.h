@@ -61,7 +61,8 @@ public:
   void send(std::uint32_t viewer, std::string text);
   void send_to_all(std::string text);
   void send_status(std::string text);
-  // The newest picture, for all viewers; one that is slow gets it, or a newer one, later.
+  // A picture for all viewers, unless they have been given one of a higher number. One that is slow gets it, or a newer
+  // one, later.
   void show(std::uint32_t number, std::string bytes);
   void answer_file(std::uint32_t request, const std::string& name, std::string bytes);
   void refuse_file(std::uint32_t request, const std::string& why);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <deque>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <map>
 #include <optional>
 #include <utility>
@@ -80,6 +82,11 @@ bool needs_no_file(const std::string& source) {
   return std::ranges::count(source, ',') == 2 && source.find_first_not_of("0123456789.,eE+-") == std::string::npos;
 }
 
+void encode_and_show(Server& server, const FrameHeader& header, const std::vector<std::uint32_t>& screen,
+                     std::uint32_t width, std::uint32_t height) {
+  server.show(header.number, bytes_of(header) + encode_screen(screen, width, height, FrameQuality::exact));
+}
+
 class Serving {
 public:
   Serving(ViewedScene& scene, Server& server, const ServingRequest& request)
@@ -143,6 +150,9 @@ private:
   std::string scene_report() const;
   std::string command() const;
   std::uint32_t shown_count();
+  bool encodes() const {
+    return encoding_.valid() && encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  }
 
   const ServingRequest& request_;
   ViewedScene& scene_;
@@ -175,6 +185,7 @@ private:
   std::uint32_t exposed_spp_ = 0;
   bool exposed_ = false;
   std::string told_status_;
+  std::future<void> encoding_; // of a picture without loss, which takes long: a move does not wait for it
 };
 
 void Serving::take(const ViewerNews& news) {
@@ -500,16 +511,10 @@ void Serving::show_picture() {
     const double grown = kFirstPause * std::sqrt(static_cast<double>(std::max(frame_spp_, 1u)));
     least = exact ? kExactPause : std::min(grown, kLongestPause);
   }
-  if (since < least) return;
+  if (since < least || (exact && encodes())) return;
   DisplayOptions options = shown_;
   options.coarse = true; // browsers enlarge it
   display_.draw(render_, options);
-  std::vector<std::uint32_t> copy;
-  const std::size_t pixels = std::size_t{display_.width()} * display_.height();
-  const auto screen = look_at(display_.pixels(), pixels, copy);
-  const FrameQuality quality = exact                ? FrameQuality::exact
-                               : status_.coarse > 1 ? FrameQuality::motion
-                                                    : FrameQuality::rendering;
   FrameHeader header;
   header.number = ++frame_;
   header.count = count;
@@ -521,7 +526,16 @@ void Serving::show_picture() {
   header.height = static_cast<std::uint16_t>(settings_.height);
   if (status_.error_spp > 0) header.error = static_cast<float>(status_.error.relative_rms);
   header.seconds = static_cast<float>(status_.seconds);
-  server_.show(header.number, bytes_of(header) + encode_screen(screen, display_.width(), display_.height(), quality));
+  const std::size_t pixels = std::size_t{display_.width()} * display_.height();
+  if (exact) {
+    encoding_ = std::async(std::launch::async, encode_and_show, std::ref(server_), header,
+                           download<std::uint32_t>(display_.pixels(), pixels), display_.width(), display_.height());
+  } else {
+    std::vector<std::uint32_t> copy;
+    const auto screen = look_at(display_.pixels(), pixels, copy);
+    const FrameQuality quality = status_.coarse > 1 ? FrameQuality::motion : FrameQuality::rendering;
+    server_.show(header.number, bytes_of(header) + encode_screen(screen, display_.width(), display_.height(), quality));
+  }
   frame_spp_ = status_.spp, frame_coarse_ = status_.coarse, frame_count_ = count;
   frame_exact_ = exact, frame_done_ = status_.done, must_draw_ = false;
   last_frame_ = seconds_now();
