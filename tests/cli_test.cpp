@@ -80,7 +80,7 @@ TEST(Help, ShowsWhatUsersNeedAndAllOfItWhenAsked) {
 }
 
 TEST(Help, OfOtherCommandsFollowsTheSameRows) {
-  for (const char* command : {"view", "bench", "study", "info"}) {
+  for (const char* command : {"view", "serve", "bench", "study", "info"}) {
     const Outcome usual = run_wavepath({command, "--help"}), all = run_wavepath({command, "--help-all"});
     EXPECT_LT(flags_in(usual.out), flags_in(all.out)) << command;
     for (const Setting& row : settings_table()) {

@@ -351,6 +351,32 @@ TEST_F(ServerTest, MessagesThatAreTooLongOrNoneEndTheViewer) {
   expect_alive();
 }
 
+// What comes instead of a request, and instead of messages.
+TEST_F(ServerTest, NoiseDoesNoHarm) {
+  std::mt19937 random(2);
+  const std::string request =
+      "GET /session HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n";
+  for (int i = 0; i < 200; ++i) {
+    auto bad = client();
+    std::string bytes = i % 2 ? request : std::string(300, 'x');
+    for (std::size_t changes = i % 2 ? 1 + random() % 4 : bytes.size(); changes > 0; --changes)
+      bytes[random() % bytes.size()] = static_cast<char>(random());
+    bad->send_bytes(bytes);
+  }
+  for (int i = 0; i < 50; ++i) {
+    auto bad = client();
+    ASSERT_TRUE(bad->join(token_));
+    std::string bytes(200, ' ');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    bad->send_bytes(bytes);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  waiting_.clear();
+  server_->take(0.0);
+  expect_alive();
+}
+
 TEST_F(ServerTest, WhoFloodsIsLetGoAndNobodyElse) {
   auto calm = viewer(), flooding = viewer();
   std::thread sender([&] {

@@ -103,6 +103,8 @@ public:
         target_error_(request.target_error) {
     camera_.resize(settings_.width, settings_.height);
     render_.set_coarse_seconds(kCoarsePicture);
+    scene_.move(camera_.request()); // so that the first picture is a coarse one, which comes soon
+    last_move_ = seconds_now();
   }
 
   void run() {
@@ -438,8 +440,8 @@ void Serving::take_settings() {
 bool Serving::may_rest() const {
   if (!render_.moving() || dragging_) return false;
   const double still = seconds_now() - last_move_;
-  const bool is_shown = moves_.empty() || frame_count_ == moves_.back().second;
-  return still >= (is_shown ? kRest : kUnseenRest);
+  const bool is_shown = frame_ > 0 && (moves_.empty() || frame_count_ == moves_.back().second);
+  return render_.spp() > 0 && still >= (is_shown ? kRest : kUnseenRest);
 }
 
 // While the camera moves, a picture is a coarse one.
