@@ -1,13 +1,15 @@
 // A small client of HTTP and WebSocket on sockets, which can also do what no browser does.
 #pragma once
 
-#include <cerrno>
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -109,20 +111,24 @@ public:
 
   // The next message that is no ping; nothing where the other end has gone, or after so many seconds.
   std::optional<WebMessage> next(double seconds = 20.0) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    const auto left = [&] {
+      return std::max(0.0, std::chrono::duration<double>(end - std::chrono::steady_clock::now()).count());
+    };
     WebMessage message;
     for (bool whole = false; !whole;) {
-      if (!need(2, seconds)) return std::nullopt;
+      if (!need(2, left())) return std::nullopt;
       const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(buffer_[i]); };
       const int opcode = byte(0) & 15;
       const bool last = (byte(0) & 0x80) != 0;
       std::size_t length = byte(1) & 127, header = 2;
       if (length >= 126) {
         header = length == 126 ? 4 : 10;
-        if (!need(header, seconds)) return std::nullopt;
+        if (!need(header, left())) return std::nullopt;
         length = 0;
         for (std::size_t i = 2; i < header; ++i) length = length << 8 | byte(i);
       }
-      if (!need(header + length, seconds)) return std::nullopt;
+      if (!need(header + length, left())) return std::nullopt;
       const std::string payload = buffer_.substr(header, length);
       buffer_.erase(0, header + length);
       if (opcode == 9) {
