@@ -698,10 +698,20 @@ TEST_F(ServeProgram, ViewersSetWhatTheTableHasAndNothingElse) {
       if (row["name"] == name) return row["value"].get<std::string>();
     return std::string("none");
   };
+  const auto planned = [](const Json& scene, const std::string& what) {
+    for (const Json& step : scene["plan"])
+      if (step["what"] == what) return step["taken"].get<std::string>();
+    return std::string("none");
+  };
   watcher.say({{"type", "set"}, {"name", "max-depth"}, {"value", "1"}});
   EXPECT_EQ(value_of(watcher.heard("scene"), "max-depth"), "1");
   watcher.say({{"type", "set"}, {"name", "sampler"}, {"value", "independent"}});
   EXPECT_EQ(value_of(watcher.heard("scene"), "sampler"), "independent");
+  watcher.say({{"type", "set"}, {"name", "light-samples"}, {"value", "4"}});
+  const Json lit = watcher.heard("scene");
+  EXPECT_EQ(value_of(lit, "light-samples"), "4");
+  EXPECT_EQ(planned(lit, "light-samples"), "4") << lit["plan"];
+  EXPECT_NE(planned(lit, "bvh"), "none") << lit["plan"];
   watcher.say({{"type", "size"}, {"width", 40}, {"height", 30}});
   EXPECT_EQ(watcher.heard("scene")["width"], 40);
   watcher.say({{"type", "display"}, {"shown", "albedo"}, {"tonemap", "aces"}, {"exposure", 1.5}});

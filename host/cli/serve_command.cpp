@@ -63,6 +63,7 @@ int run_serve(ServeCommandRequest& request) {
   serving.display = first_display(request.viewing);
   serving.target_error = request.viewing.render.settings.target_error;
   serving.notes = [&](const RenderPlan& settings) { return viewing.notes(settings); };
+  serving.plan = [&](const RenderPlan& settings) { return viewing.decisions(settings); };
   serving.save = [&](const std::string& path, const Picture& picture, const DisplayOptions& display) {
     viewing.save(path, picture, display);
   };

@@ -11,6 +11,7 @@
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
+#include "host/gpu/device_class.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/picture/files/picture_io.h"
 #include "host/plan/bvh_quality.h"
@@ -130,6 +131,16 @@ std::string Viewing::flags() const {
 
 std::vector<std::string> Viewing::notes(const RenderPlan& settings) const {
   return list_bias(settings, session_.packed(), so_far());
+}
+
+std::vector<Decision> Viewing::decisions(const RenderPlan& settings) const {
+  const PackedScene& packed = session_.packed();
+  std::vector<Decision> list;
+  if (!request_.render.bvh) list.push_back(decision_of(packed.bvh_quality));
+  const PlanRequest request{.settings = settings, .policy = Policy::as_told};
+  const Plan rest = decide(request, packed, class_of(session_.device_info()), nullptr);
+  list.insert(list.end(), rest.decisions.begin(), rest.decisions.end());
+  return list;
 }
 
 RenderResult Viewing::so_far() const {

@@ -9,6 +9,7 @@
 
 #include "host/picture/files/write_options.h"
 #include "host/picture/picture.h"
+#include "host/plan/decision.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/render.h"
@@ -59,6 +60,8 @@ public:
   std::string flags() const;
   // Sentences about approximations in a picture with these settings.
   std::vector<std::string> notes(const RenderPlan& settings) const;
+  // What a picture with these settings does. Pilots decide nothing of it, so that the copied command says all.
+  std::vector<Decision> decisions(const RenderPlan& settings) const;
   // Writes a picture of the render as it is now. Throws Error.
   void save(const std::string& path, const Picture& picture, const DisplayOptions& display) const;
   // For the next start.

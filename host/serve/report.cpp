@@ -61,6 +61,9 @@ std::string scene_json(const SceneReport& report) {
   for (std::size_t g = 0; g < settings.group_names.size(); ++g)
     groups.push_back({{"name", settings.group_names[g]},
                       {"gain", g < report.display.group_gains.size() ? report.display.group_gains[g] : 1.0f}});
+  Json plan = Json::array();
+  for (const Decision& decision : report.plan)
+    plan.push_back({{"what", decision.what}, {"taken", decision.taken}, {"why", decision.why}});
   return dumped({{"type", "scene"},
                  {"scene", report.scene},
                  {"device", report.device},
@@ -69,6 +72,7 @@ std::string scene_json(const SceneReport& report) {
                  {"lights", report.lights},
                  {"cameras", report.cameras},
                  {"notes", report.notes},
+                 {"plan", plan},
                  {"width", settings.width},
                  {"height", settings.height},
                  {"settings", rows},

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "host/plan/decision.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/render_plan.h"
@@ -21,6 +22,7 @@ struct SceneReport {
   std::string scene, device, light;
   std::uint64_t triangles = 0, lights = 0;
   std::vector<std::string> cameras, notes;
+  std::vector<Decision> plan;
   EnvironmentRequest environment;
   std::vector<std::string> environments; // that can be chosen
   RenderPlan settings;

@@ -573,6 +573,7 @@ std::string Serving::scene_report() const {
   for (const Camera& camera : scene.cameras) report.cameras.push_back(camera.name);
   report.notes = request_.notes(render_.settings());
   for (const auto& [text, count] : scene.warnings.counts()) report.notes.push_back(text);
+  report.plan = request_.plan(render_.settings());
   report.environment = environment_;
   report.environments.emplace_back("");
   for (const std::string_view name : kEnvironmentNames) report.environments.emplace_back(name);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/picture/picture.h"
+#include "host/plan/decision.h"
 #include "host/render/progressive/display.h"
 #include "host/render/settings/render_plan.h"
 #include "host/scene/staging/framing.h"
@@ -22,6 +23,8 @@ struct ServingRequest {
   double target_error = 0.0;
   // Sentences about approximations in a picture with these settings.
   std::function<std::vector<std::string>(const RenderPlan&)> notes;
+  // What decides a picture with these settings.
+  std::function<std::vector<Decision>(const RenderPlan&)> plan;
   // Writes a picture of the render as it is now. Throws Error.
   std::function<void(const std::string& path, const Picture&, const DisplayOptions&)> save;
   std::function<bool()> ends; // asked again and again

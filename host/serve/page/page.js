@@ -194,6 +194,7 @@ function takeScene(now) {
   fill(id('facts'), [['device', now.device], ['triangles', now.triangles.toLocaleString('en')],
       ['lights', String(now.lights)], ['lit by', now.light || 'as the command line says'],
       ['memory', memoryText(), 'facts-memory']]);
+  fill(id('plan'), now.plan.map((step) => [step.what, `${step.taken} (${step.why})`]));
   id('notes').replaceChildren(...now.notes.map((text) => {
     const item = document.createElement('li');
     item.textContent = text;
