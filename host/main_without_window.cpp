@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+
 #include "host/base/error.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -25,6 +27,7 @@ void become_window(char** arguments) {
 
 Command add_missing_view(CLI::App& app, const std::string&) {
   CLI::App* command = add_command(app, "view", "render a scene in a window");
+  command->allow_extras(); // whatever its flags are, what is said is that it is missing
   add_flag(
       *command, "Scene", {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, [](const FlagValue&) {}, true);
   return
@@ -36,5 +39,6 @@ Command add_missing_view(CLI::App& app, const std::string&) {
 
 int main(int argument_count, char** arguments) {
   if (argument_count > 1 && std::string_view(arguments[1]) == "view") wavepath::become_window(arguments);
-  return wavepath::run_program(argument_count, arguments, wavepath::add_missing_view);
+  constexpr wavepath::OwnCommand kOwn[] = {{"view", wavepath::add_missing_view}, {"serve", wavepath::add_serve}};
+  return wavepath::run_program(argument_count, arguments, kOwn);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Man pages and completion that packages have: all that the program tells of its flags, and as shells and man take it.
-Usage: packages_test.py SOURCE_DIR WAVEPATH"""
+The program whose window is a package of its own. Usage: packages_test.py SOURCE_DIR WAVEPATH WAVEPATH_WITHOUT_WINDOW"""
 
 import pathlib
 import re
@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-ROOT, WAVEPATH = pathlib.Path(sys.argv[1]), sys.argv[2]
+ROOT, WAVEPATH, WITHOUT_WINDOW = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
 sys.path.insert(0, str(ROOT / "docs" / "site"))
 from help_text import commands_of, read  # noqa: E402
 
@@ -86,6 +86,30 @@ class Completion(unittest.TestCase):
             self.assertIn(name, text)
         if shutil.which("zsh"):
             run("zsh", "-n", self.files["zsh"])
+
+
+class WithoutWindow(unittest.TestCase):
+    def test_it_needs_no_library_of_a_window(self):
+        needed = run("ldd", WITHOUT_WINDOW).stdout
+        self.assertIn("libvulkan", needed)
+        for library in ("libglfw", "libX11", "libimgui"):
+            self.assertNotIn(library, needed)
+
+    def test_it_has_all_commands(self):
+        self.assertEqual(commands_of(WITHOUT_WINDOW), commands_of(WAVEPATH))
+        self.assertIn("--listen", run(WITHOUT_WINDOW, "serve", "--help-all").stdout)
+
+    def test_view_is_the_other_program(self):
+        words = [WITHOUT_WINDOW, "view", "scene.glb", "--size", "8x8"]
+        with tempfile.TemporaryDirectory() as folder:
+            alone = subprocess.run(words, env={"PATH": folder}, capture_output=True, text=True, check=False)
+            self.assertEqual(alone.returncode, 1)
+            self.assertEqual(alone.stderr.count("\n"), 1)
+            self.assertIn("install the package wavepath-view", alone.stderr)
+            window = pathlib.Path(folder) / "wavepath-view"
+            window.write_text("#!/bin/sh\necho window: $*\n")
+            window.chmod(0o755)
+            self.assertEqual(run(*words, env={"PATH": folder}).stdout, "window: view scene.glb --size 8x8\n")
 
 
 if __name__ == "__main__":
