@@ -18,7 +18,7 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 
 # A file includes only files of its own folder and of those before it.
 DOWNHILL = [
-    "bvh", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display",
+    "bvh", "ktx", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display",
     "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid",
     "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted",
     "kernels/selftest", "kernels/bench",
@@ -41,7 +41,7 @@ DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md",
 
 
 def sources(*suffixes):
-    for folder in ("bvh", "kernels", "host", "tests", "benchmarks"):
+    for folder in ("bvh", "ktx", "kernels", "host", "tests", "benchmarks"):
         for path in sorted((ROOT / folder).rglob("*")):
             if path.suffix in suffixes:
                 yield path
@@ -62,7 +62,7 @@ def includes(path):
 def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
-    for folder in ("bvh", "kernels", "host", "include", "python", "examples", "scenes", "tests", "benchmarks", "docs",
+    for folder in ("bvh", "ktx", "kernels", "host", "include", "python", "examples", "scenes", "tests", "benchmarks", "docs",
                    "farm", "packaging", "blender", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md",

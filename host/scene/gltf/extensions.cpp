@@ -10,8 +10,7 @@
 namespace wavepath::gltf {
 namespace {
 
-// Extensions that the importer reads, and those that change no picture. KHR_texture_basisu is not decoded: a texture
-// may have a fallback image, so texture.cpp decides.
+// Extensions that the importer reads, and those that change no picture.
 constexpr std::array<std::string_view, 28> kSupported = {"EXT_mesh_gpu_instancing",
                                                          "EXT_meshopt_compression",
                                                          "EXT_texture_webp",

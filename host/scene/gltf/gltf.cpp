@@ -306,13 +306,13 @@ Scene load_moment(Document& document, const LoadOptions& options, double seconds
   for (const int node_index : nodes)
     if (options.keeps_hidden || !hidden[static_cast<std::size_t>(node_index)])
       convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
-  std::future<std::vector<Image>> images;
+  std::future<std::vector<TextureImage>> images;
   if (decode)
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   place_nodes(import, nodes, hidden);
   if (imported) *imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
   if (described) described(scene);
-  if (decode) scene.images = images.get();
+  if (decode) gltf::take_images(scene, images.get());
   return scene;
 }
 

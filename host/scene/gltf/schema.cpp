@@ -166,6 +166,7 @@ std::vector<Rule> extension_rules() {
       {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes.*", Kind::index, false, "accessors"},
       {"nodes[].extensions.KHR_node_visibility.visible", Kind::boolean},
       {"textures[].extensions.EXT_texture_webp.source", Kind::index, false, "images"},
+      {"textures[].extensions.KHR_texture_basisu.source", Kind::index, false, "images"},
   };
 }
 

@@ -1,4 +1,5 @@
-// Resolves texture, sampler and image of a textureInfo, with KHR_texture_transform and EXT_texture_webp.
+// Resolves texture, sampler and image of a textureInfo, with KHR_texture_transform, KHR_texture_basisu
+// and EXT_texture_webp.
 #include "host/scene/gltf/texture.h"
 
 #include <cmath>
@@ -20,16 +21,18 @@ using nlohmann::json;
 
 std::size_t image_of_texture(const Document& document, int index) {
   const tinygltf::Texture& texture = document.model.textures[static_cast<std::size_t>(index)];
-  const auto webp = texture.extensions.find("EXT_texture_webp");
-  if (webp != texture.extensions.end() && webp->second.Has("source"))
-    return static_cast<std::size_t>(webp->second.Get("source").GetNumberAsInt());
+  for (const char* extension : {"KHR_texture_basisu", "EXT_texture_webp"}) {
+    const auto found = texture.extensions.find(extension);
+    if (found != texture.extensions.end() && found->second.Has("source"))
+      return static_cast<std::size_t>(found->second.Get("source").GetNumberAsInt());
+  }
   if (texture.source >= 0) return static_cast<std::size_t>(texture.source);
   std::string needed;
   for (const auto& [name, value] : texture.extensions) needed += (needed.empty() ? "" : ", ") + shown(name);
   const std::string what = "texture " + std::to_string(index);
   if (needed.empty()) document.fail(what + " has no image");
   document.fail(what + " needs " + needed + ", which wavepath does not support",
-                "export it with PNG, JPEG or WebP images");
+                "export it with PNG, JPEG, WebP or KTX2 images");
 }
 
 // Images that share a file or a buffer view are one image.
@@ -108,8 +111,8 @@ std::vector<ImageFile> image_files(Document& document, const ImageMap& images) {
   return files;
 }
 
-std::vector<Image> decode_images(const std::vector<ImageFile>& files) {
-  std::vector<Image> decoded(files.size());
+std::vector<TextureImage> decode_images(const std::vector<ImageFile>& files) {
+  std::vector<TextureImage> decoded(files.size());
   std::vector<std::exception_ptr> failures(files.size());
   tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
     try {
@@ -121,6 +124,10 @@ std::vector<Image> decode_images(const std::vector<ImageFile>& files) {
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);
   return decoded;
+}
+
+void take_images(Scene& scene, std::vector<TextureImage> images) {
+  for (TextureImage& taken : images) scene.images.push_back(std::move(taken.image));
 }
 
 } // namespace wavepath::gltf

@@ -9,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "host/scene/gltf/document.h"
+#include "host/scene/gltf/image.h"
 #include "host/scene/scene.h"
 
 namespace wavepath::gltf {
@@ -33,6 +34,9 @@ struct ImageFile {
 std::vector<ImageFile> image_files(Document& document, const ImageMap& images);
 
 // Decodes them, in parallel. Throws the Error of the first that is not sound.
-std::vector<Image> decode_images(const std::vector<ImageFile>& files);
+std::vector<TextureImage> decode_images(const std::vector<ImageFile>& files);
+
+// Gives the scene its images, and its materials' slots what files of KTX2 say about their values.
+void take_images(Scene& scene, std::vector<TextureImage> images);
 
 } // namespace wavepath::gltf
