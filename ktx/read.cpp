@@ -5,9 +5,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include "ktx/astc.h"
+#include "ktx/bc.h"
+#include "ktx/bptc.h"
 #include "ktx/container.h"
 #include "ktx/error.h"
 #include "ktx/etc1s.h"
+#include "ktx/etc2.h"
 #include "ktx/formats.h"
 #include "ktx/inflate.h"
 #include "ktx/plain.h"
@@ -72,14 +76,56 @@ void decode_blocks(Picture& picture, const Format& format, Bytes data, std::vect
 }
 
 void decode_texels(Picture& picture, const Format& format, Bytes data, bool srgb) {
+  using In = const std::uint8_t*;
+  const auto decode_bytes = [&](const auto& decode) { decode_blocks(picture, format, data, picture.bytes, decode); };
+  const auto decode_words = [&](const auto& decode) { decode_blocks(picture, format, data, picture.words, decode); };
+  const auto decode_floats = [&](const auto& decode) { decode_blocks(picture, format, data, picture.floats, decode); };
   if (decode_plain(format, data, picture)) return;
   switch (format.coding) {
     case Coding::uastc:
-      return decode_blocks(picture, format, data, picture.bytes, [&](const std::uint8_t* block, std::uint8_t* texels) {
-        decode_uastc_block(block, srgb, texels);
+      return decode_bytes([&](In block, std::uint8_t* out) { decode_uastc_block(block, srgb, out); });
+    case Coding::bc1_opaque:
+      return decode_bytes([](In block, std::uint8_t* out) { decode_bc1_block(block, false, out); });
+    case Coding::bc1:
+      return decode_bytes([](In block, std::uint8_t* out) { decode_bc1_block(block, true, out); });
+    case Coding::bc2:
+      return decode_bytes(decode_bc2_block);
+    case Coding::bc3:
+      return decode_bytes(decode_bc3_block);
+    case Coding::bc4:
+      return decode_words([](In block, std::uint16_t* out) { decode_rgtc_block(block, 1, out); });
+    case Coding::bc4_signed:
+      return decode_floats([](In block, float* out) { decode_signed_rgtc_block(block, 1, out); });
+    case Coding::bc5:
+      return decode_words([](In block, std::uint16_t* out) { decode_rgtc_block(block, 2, out); });
+    case Coding::bc5_signed:
+      return decode_floats([](In block, float* out) { decode_signed_rgtc_block(block, 2, out); });
+    case Coding::bc6h:
+      return decode_floats([](In block, float* out) { decode_bc6h_block(block, false, out); });
+    case Coding::bc6h_signed:
+      return decode_floats([](In block, float* out) { decode_bc6h_block(block, true, out); });
+    case Coding::bc7:
+      return decode_bytes(decode_bc7_block);
+    case Coding::etc2_rgb:
+      return decode_bytes(decode_etc2_block);
+    case Coding::etc2_rgba1:
+      return decode_bytes(decode_etc2_punchthrough_block);
+    case Coding::etc2_rgba:
+      return decode_bytes(decode_etc2_rgba_block);
+    case Coding::eac_r:
+      return decode_words([](In block, std::uint16_t* out) { decode_eac_block(block, 1, out); });
+    case Coding::eac_r_signed:
+      return decode_floats([](In block, float* out) { decode_signed_eac_block(block, 1, out); });
+    case Coding::eac_rg:
+      return decode_words([](In block, std::uint16_t* out) { decode_eac_block(block, 2, out); });
+    case Coding::eac_rg_signed:
+      return decode_floats([](In block, float* out) { decode_signed_eac_block(block, 2, out); });
+    case Coding::astc:
+      return decode_bytes([&](In block, std::uint8_t* out) {
+        decode_astc_block(block, format.block_width, format.block_height, srgb, out);
       });
-    default:
-      throw FileError("has texels of " + std::string(format.name) + ", which wavepath does not support");
+    default: // decode_plain() decodes the others
+      break;
   }
 }
 
