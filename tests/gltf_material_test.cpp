@@ -9,6 +9,7 @@
 #include "host/codecs/jpeg.h"
 #include "host/codecs/png.h"
 #include "tests/gltf_checks.h"
+#include "tests/ktx_builder.h"
 
 namespace wavepath {
 namespace {
@@ -481,13 +482,6 @@ TEST(GltfTexture, GivenTangentsAreKeptAndBadOnesRepaired) {
   EXPECT_EQ(load(b).meshes[0].tangents[0], glm::vec4(1, 0, 0, -1)); // v runs along +y, so this one is mirrored
 }
 
-TEST(GltfTexture, FallbackOfABasisTexture) {
-  GltfBuilder b = with_texture({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-  b.root["extensionsUsed"] = {"KHR_texture_basisu"};
-  b.root["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 5;
-  EXPECT_EQ(load(b).images.size(), 1u);
-}
-
 // --- extensions ---
 
 TEST(GltfExtensions, UnknownUsedOnesAreOneWarning) {
@@ -582,6 +576,100 @@ TEST(GltfImage, WebpKeepsItsColorsBesideAlpha) {
   const Texels expected{102, 51, 204, 128, 255, 0, 0, 255};
   ASSERT_EQ(bytes.size(), expected.size());
   for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(bytes[i], expected[i]) << i;
+}
+
+// A KTX2 file of one texel.
+std::string ktx_of(std::uint32_t vk_format, test::Bytes level, std::uint8_t transfer = 1) {
+  test::KtxFile file;
+  file.vk_format = vk_format;
+  file.level = std::move(level);
+  file.transfer = transfer;
+  const test::Bytes bytes = file.bytes();
+  return {bytes.begin(), bytes.end()};
+}
+
+// A material whose property `slot` has a texture of a KTX2 file in a buffer view.
+GltfBuilder with_ktx(const std::string& file, const char* slot = "") {
+  const json texture = {{"index", 0}};
+  const bool is_base = !*slot;
+  GltfBuilder b = with_material(is_base ? json{{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}}
+                                        : json{{slot, texture}, {"emissiveFactor", {1, 1, 1}}});
+  b.add("images", {{"bufferView", b.view(file)}, {"mimeType", "image/ktx2"}, {"name", "ktx"}});
+  b.add("textures", {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}});
+  b.root["extensionsUsed"] = {"KHR_texture_basisu"};
+  return b;
+}
+
+TEST(GltfKtx, IsPreferredToItsFallback) {
+  GltfBuilder b = with_ktx(ktx_of(43, {1, 2, 3, 4}, 2));
+  b.add("images", {{"uri", "missing.png"}}); // not even looked for
+  b.root["textures"][0]["source"] = 1;
+  EXPECT_EQ(load(b).images.at(0).bytes, (Texels{1, 2, 3, 4}));
+  EXPECT_TRUE(load(b).warnings.empty());
+  b.root["extensionsRequired"] = {"KHR_texture_basisu"};
+  b.root["textures"][0].erase("source");
+  EXPECT_EQ(load(b).images.at(0).bytes, (Texels{1, 2, 3, 4}));
+}
+
+TEST(GltfKtx, PlainTexturesMayNameOneToo) {
+  const std::string file = ktx_of(43, {1, 2, 3, 4}, 2);
+  EXPECT_EQ(through_file("color.ktx2", {file.begin(), file.end()}).bytes, (Texels{1, 2, 3, 4}));
+}
+
+// The slot decides, as for every image; a descriptor that says otherwise is a warning.
+TEST(GltfKtx, SlotsDecideHowBytesAreRead) {
+  const Scene color = load(with_ktx(ktx_of(37, {1, 2, 3, 4}, 1)));
+  EXPECT_TRUE(color.materials.at(0).base_color_texture.srgb);
+  EXPECT_EQ(warning_count(color, "image 'ktx' says that it is linear, but a material reads it as sRGB"), 1u);
+  const Scene data = load(with_ktx(ktx_of(43, {1, 2, 3, 4}, 2), "normalTexture"));
+  EXPECT_FALSE(data.materials.at(0).normal_texture.srgb);
+  EXPECT_EQ(warning_count(data, "image 'ktx' says that it is sRGB, but a material reads it as linear"), 1u);
+  EXPECT_TRUE(load(with_ktx(ktx_of(37, {1, 2, 3, 4}, 1), "normalTexture")).warnings.empty());
+}
+
+// Halves 4, -1 and infinity: radiance where light is emitted, at most 1 where it is reflected, linear in both.
+TEST(GltfKtx, FloatsAreLinear) {
+  const test::Bytes halves = {0x00, 0x44, 0x00, 0xbc, 0x00, 0x7c, 0x00, 0x44};
+  const Scene emitted = load(with_ktx(ktx_of(97, halves), "emissiveTexture"));
+  EXPECT_FALSE(emitted.materials.at(0).emission_texture.srgb);
+  EXPECT_EQ(emitted.images.at(0).floats, (std::vector<float>{4, 0, 65504, 1}));
+  EXPECT_EQ(warning_count(emitted, "negative, not finite"), 2u);
+  const Scene reflected = load(with_ktx(ktx_of(97, halves)));
+  EXPECT_FALSE(reflected.materials.at(0).base_color_texture.srgb);
+  EXPECT_EQ(reflected.images.at(0).floats, (std::vector<float>{1, 0, 1, 1}));
+}
+
+TEST(GltfKtx, WordsAreReadAsTheyAreInPng) {
+  const Scene scene = load(with_ktx(ktx_of(91, {255, 255, 0, 0, 0, 128, 255, 255}, 2)));
+  EXPECT_TRUE(scene.materials.at(0).base_color_texture.srgb);
+  EXPECT_EQ(scene.images.at(0).floats, (std::vector<float>{1, 0, 32768.0f / 65535, 1}));
+}
+
+TEST(GltfKtx, PremultipliedAlphaIsAWarning) {
+  test::KtxFile file;
+  file.vk_format = 43;
+  file.transfer = 2;
+  file.flags = 1;
+  const test::Bytes bytes = file.bytes();
+  EXPECT_EQ(warning_count(load(with_ktx({bytes.begin(), bytes.end()})), "multiplied by alpha"), 1u);
+}
+
+TEST(GltfKtx, BadFilesAreRefusedByName) {
+  const auto refusal_of = [](const std::string& file) -> std::string {
+    try {
+      load(with_ktx(file));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "was accepted";
+  };
+  const std::string sound = ktx_of(43, {1, 2, 3, 4}, 2);
+  EXPECT_NE(refusal_of(sound.substr(0, 90)).find("image 'ktx' is damaged or cut short ("), std::string::npos);
+  EXPECT_NE(refusal_of(sound.substr(0, 90)).find("; replace the image"), std::string::npos);
+  std::string huge = sound;
+  huge[22] = huge[26] = 1; // 65537 x 65537
+  EXPECT_NE(refusal_of(huge).find("image 'ktx' has 65537 x 65537 texels; scale it down"), std::string::npos);
+  EXPECT_NE(refusal_of(ktx_of(2, {1})).find("VkFormat 2"), std::string::npos);
 }
 
 } // namespace

@@ -193,11 +193,13 @@ const Case kCases[] = {
     {"ImageCutShort", "damaged or cut short", [](json& d) { d["bufferViews"][8]["byteLength"] = 40; }},
     {"ImageWithoutData", "neither a URI nor a buffer view", [](json& d) { d["images"][0] = json::object(); }},
     {"TextureWithoutImage", "texture 0 has no image", [](json& d) { d["textures"][0].erase("source"); }},
-    {"BasisTexture", "texture 0 needs KHR_texture_basisu",
+    {"TextureOfUnknownKind", "texture 0 needs MSFT_texture_dds",
      [](json& d) {
        d["textures"][0].erase("source");
-       d["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 0;
+       d["textures"][0]["extensions"]["MSFT_texture_dds"]["source"] = 0;
      }},
+    {"BasisImageOutOfRange", "textures[0].extensions.KHR_texture_basisu.source is 5",
+     [](json& d) { d["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 5; }},
     {"AlphaModeUnknown", "alphaMode 'GLASSY'", [](json& d) { d["materials"][0]["alphaMode"] = "GLASSY"; }},
     {"RequiredExtension", "requires EXT_from_tomorrow",
      [](json& d) { d["extensionsRequired"] = {"EXT_from_tomorrow"}; }},

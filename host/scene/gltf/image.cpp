@@ -1,6 +1,7 @@
 // Decodes the images of glTF files and spreads them over four channels.
 #include "host/scene/gltf/image.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -38,6 +39,18 @@ void widen(const std::vector<std::uint16_t>& words, std::vector<float>& floats) 
   for (const std::uint16_t word : words) floats.push_back(static_cast<float>(word) * (1.0f / 65535.0f));
 }
 
+// Colours as shading can bear them: finite and at least 0. Returns the number of those that were not.
+std::uint64_t repair_values(std::vector<float>& values) {
+  constexpr float kMost = 65504.0f; // of a half: radiance beyond it is a mistake
+  std::uint64_t count = 0;
+  for (float& value : values) {
+    const float sound = value >= 0.0f ? std::min(value, kMost) : 0.0f;
+    if (!(sound == value)) ++count;
+    value = sound;
+  }
+  return count;
+}
+
 TextureImage take_ktx2(std::span<const std::uint8_t> file, const ktx::CheckSize& check) {
   ktx::Picture picture = ktx::read(file, check);
   TextureImage result{{}, picture.transfer, picture.premultiplied};
@@ -45,6 +58,8 @@ TextureImage take_ktx2(std::span<const std::uint8_t> file, const ktx::CheckSize&
   result.image.height = picture.height;
   result.image.bytes = std::move(picture.bytes);
   result.image.floats = std::move(picture.floats);
+  result.holds_values = !result.image.floats.empty();
+  if (result.holds_values) result.bad_values = repair_values(result.image.floats);
   if (!picture.words.empty()) widen(picture.words, result.image.floats);
   return result;
 }

@@ -12,11 +12,13 @@
 
 namespace wavepath {
 
-// An image, and what its file says about its values.
+// An image, and what its file says about its values. Only files of KTX2 say anything.
 struct TextureImage {
   Image image;
-  std::optional<ktx::Transfer> transfer; // KTX2 tells; in other files the material decides
+  std::optional<ktx::Transfer> transfer;
   bool premultiplied = false;
+  bool holds_values = false;    // floats of the file: linear, and not limited to 1
+  std::uint64_t bad_values = 0; // of those, not finite or negative; replaced
 };
 
 // `where` is the scene file and `name` the image, for messages. Grey, grey with alpha and palette images become RGBA;

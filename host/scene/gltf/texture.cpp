@@ -2,13 +2,16 @@
 // and EXT_texture_webp.
 #include "host/scene/gltf/texture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/overloaded.h"
 #include "host/scene/gltf/image.h"
 #include "host/scene/gltf/property.h"
 #include "host/scene/gltf/uri.h"
@@ -79,6 +82,17 @@ void apply_transform(TextureSlot& slot, Warnings& warnings, const json& transfor
   slot.uv_matrix = glm::mat2(c, -s, s, c) * glm::mat2(scale.x, 0.0f, 0.0f, scale.y);
 }
 
+// The slot decides how texels are read, as glTF asks; files of KTX2 should say the same.
+void warn_of_disagreement(Warnings& warnings, const TextureImage& file, const TextureSlot& slot) {
+  if (!file.transfer) return;
+  if (*file.transfer != ktx::Transfer::other && (*file.transfer == ktx::Transfer::srgb) == slot.srgb) return;
+  const char* said = *file.transfer == ktx::Transfer::srgb     ? "sRGB"
+                     : *file.transfer == ktx::Transfer::linear ? "linear"
+                                                               : "of another transfer function";
+  warnings.add("image '" + file.image.name + "' says that it is " + said + ", but a material reads it as " +
+               (slot.srgb ? "sRGB" : "linear"));
+}
+
 } // namespace
 
 TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& warnings, const json& info, bool srgb) {
@@ -127,7 +141,32 @@ std::vector<TextureImage> decode_images(const std::vector<ImageFile>& files) {
 }
 
 void take_images(Scene& scene, std::vector<TextureImage> images) {
-  for (TextureImage& taken : images) scene.images.push_back(std::move(taken.image));
+  std::vector<bool> limited(images.size()); // read as something of which 1 is the most
+  for (Material& material : scene.materials) {
+    const auto visit_row = [&](const MaterialTexture& row) {
+      TextureSlot& slot = material.*row.field;
+      if (!slot.present()) return;
+      const TextureImage& file = images[slot.image];
+      if (file.holds_values) {
+        slot.srgb = slot.srgb && file.transfer == ktx::Transfer::srgb;
+        if (row.field != &Material::emission_texture) limited[slot.image] = true;
+      }
+      warn_of_disagreement(scene.warnings, file, slot);
+    };
+    visit_material_fields(Overloaded{visit_row, [](const auto&) {}});
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    TextureImage& file = images[i];
+    const std::string what = "image '" + file.image.name + "' ";
+    if (file.premultiplied)
+      scene.warnings.add(what + "has colours multiplied by alpha, which glTF forbids; read as they are");
+    if (file.bad_values > 0)
+      scene.warnings.add("values of " + what + "that are negative, not finite or beyond 65504, replaced",
+                         file.bad_values);
+    for (std::size_t k = 0; file.holds_values && k < file.image.floats.size(); ++k)
+      if (limited[i] || k % 4 == 3) file.image.floats[k] = std::min(file.image.floats[k], 1.0f);
+    scene.images.push_back(std::move(file.image));
+  }
 }
 
 } // namespace wavepath::gltf
