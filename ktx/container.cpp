@@ -9,7 +9,6 @@
 
 #include "ktx/bytes.h"
 #include "ktx/error.h"
-#include "ktx/read.h"
 
 namespace wavepath::ktx {
 namespace {

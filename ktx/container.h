@@ -28,6 +28,9 @@ struct Container {
   std::array<char, 4> swizzle{'r', 'g', 'b', 'a'};
 };
 
+// True if the file begins with the identifier of KTX2.
+bool is_ktx2(std::span<const std::uint8_t> file);
+
 // Throws FileError if the file is damaged, or is not a 2D picture.
 Container read_container(std::span<const std::uint8_t> file);
 

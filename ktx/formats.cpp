@@ -1,4 +1,4 @@
-// The table of payloads, by the numbers of VkFormat.
+// The table of payloads, by the numbers that Vulkan gives them.
 #include "ktx/formats.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The payloads that are read: names, sizes of blocks and coding of each VkFormat.
+// The payloads that are read: names, sizes of blocks and coding of each format of Vulkan.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct Format {
   std::uint8_t block_width = 1, block_height = 1, block_bytes = 1;
   std::uint8_t channels = 4; // of texels that are not compressed
   bool bgr = false;          // blue comes first
-  bool srgb = false;         // VK_FORMAT_*_SRGB*
+  bool srgb = false;         // by its name
 };
 
 // Nothing if this payload is not read.

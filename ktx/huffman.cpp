@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "ktx/bytes.h"
 #include "ktx/error.h"
 
 namespace wavepath::ktx {
@@ -20,11 +21,14 @@ std::uint32_t reversed(std::uint32_t word, unsigned length) {
 } // namespace
 
 std::uint32_t BitStream::peek(unsigned count) const {
-  const std::uint64_t first = next_ / 8;
-  std::uint64_t bits = 0;
-  for (std::uint64_t i = 0; i < 4 && first + i < data_.size(); ++i)
-    bits |= std::uint64_t{data_[static_cast<std::size_t>(first + i)]} << (8 * i);
-  return static_cast<std::uint32_t>(bits >> (next_ % 8) & ((std::uint64_t{1} << count) - 1));
+  const auto first = static_cast<std::size_t>(next_ / 8);
+  std::uint32_t bits = 0;
+  if (first + 4 <= data_.size()) {
+    bits = u32_at(&data_[first]);
+  } else {
+    for (std::size_t i = 0; first + i < data_.size(); ++i) bits |= std::uint32_t{data_[first + i]} << (8 * i);
+  }
+  return bits >> (next_ % 8) & ((1u << count) - 1);
 }
 
 void BitStream::skip(unsigned count) {

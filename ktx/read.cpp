@@ -32,7 +32,7 @@ const Format& format_of(const Container& container) {
   }
   const Format* format = find_format(container.vk_format);
   if (!format)
-    throw FileError("has texels of VkFormat " + std::to_string(container.vk_format) +
+    throw FileError("has texels of Vulkan's format " + std::to_string(container.vk_format) +
                     ", which wavepath does not support");
   return *format;
 }

@@ -9,9 +9,6 @@
 
 namespace wavepath::ktx {
 
-// True if the file begins with the identifier of KTX2.
-bool is_ktx2(std::span<const std::uint8_t> file);
-
 // Called with the size that the header states, before memory is taken for texels; it throws to refuse.
 using CheckSize = std::function<void(std::uint32_t width, std::uint32_t height)>;
 

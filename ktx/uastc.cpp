@@ -111,6 +111,15 @@ const Pattern* find_pattern(std::uint8_t mode, std::uint32_t number) {
   return number < kOfTwo.size() ? &kOfTwo[number] : nullptr;
 }
 
+// Weights of 0..64 by the number of bits and the bits.
+std::array<std::array<std::uint8_t, 32>, 6> make_weights() {
+  std::array<std::array<std::uint8_t, 32>, 6> weights{};
+  for (std::uint8_t bits = 1; bits < weights.size(); ++bits)
+    for (std::uint32_t value = 0; value < 1u << bits; ++value)
+      weights[bits][value] = unquantize_weight({0, 0, bits}, value);
+  return weights;
+}
+
 void fill_texels(std::uint8_t* rgba, const std::array<std::uint8_t, 4>& color) {
   for (std::size_t i = 0; i < 16; ++i) std::ranges::copy(color, rgba + 4 * i);
 }
@@ -180,11 +189,12 @@ void decode_uastc_block(const std::uint8_t* block, bool srgb, std::uint8_t* rgba
   if (mode.two_planes) second_plane = mode.channels == 2 ? 3 : reader.take(2);
   const std::array<EndpointPair, 3> pairs = read_endpoint_pairs(reader, mode);
 
-  const IntegerRange weights{0, 0, mode.weight_bits};
+  static const auto kWeights = make_weights();
+  const std::array<std::uint8_t, 32>& weights = kWeights[mode.weight_bits];
   for (std::size_t i = 0; i < 16; ++i) {
     const unsigned bits = mode.weight_bits - (pattern->anchors >> i & 1u);
-    const std::uint32_t first = unquantize_weight(weights, reader.take(bits));
-    const std::uint32_t second = mode.two_planes ? unquantize_weight(weights, reader.take(bits)) : 0;
+    const std::uint32_t first = weights[reader.take(bits)];
+    const std::uint32_t second = mode.two_planes ? weights[reader.take(bits)] : 0;
     const EndpointPair& pair = pairs[pattern->subset[i]];
     for (std::size_t c = 0; c < 4; ++c)
       rgba[4 * i + c] = interpolate(pair.from[c], pair.to[c], c == second_plane ? second : first, srgb);

@@ -1,6 +1,7 @@
 // Builds small KTX2 files and blocks for tests, field by field as the specifications list them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>

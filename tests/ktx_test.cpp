@@ -129,7 +129,7 @@ TEST(KtxContainer, OtherShapesAreRefused) {
   EXPECT_EQ(refusal_of([](KtxFile& f) { f.width = 0; }), "is damaged or cut short (its width is 0)");
   EXPECT_EQ(refusal_of([](KtxFile& f) { f.faces = 2; }), "is damaged or cut short (it has 2 faces)");
   EXPECT_EQ(refusal_of([](KtxFile& f) { f.vk_format = 2; }),
-            "has texels of VkFormat 2, which wavepath does not support");
+            "has texels of Vulkan's format 2, which wavepath does not support");
   EXPECT_EQ(refusal_of([](KtxFile& f) { f.vk_format = 0; }),
             "has texels of colour model 1, which wavepath does not support");
   EXPECT_EQ(refusal_of([](KtxFile& f) { f.scheme = 4; }), "has supercompression 4, which wavepath does not support");

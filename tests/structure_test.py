@@ -62,8 +62,8 @@ def includes(path):
 def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
-    for folder in ("bvh", "ktx", "kernels", "host", "include", "python", "examples", "scenes", "tests", "benchmarks", "docs",
-                   "farm", "packaging", "blender", ".ci"):
+    for folder in ("bvh", "ktx", "kernels", "host", "include", "python", "examples", "scenes", "tests", "benchmarks",
+                   "docs", "farm", "packaging", "blender", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md",
                                    "CHANGELOG.md"))

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/codecs/decode.h"
+#include "ktx/container.h"
 #include "ktx/error.h"
 #include "ktx/read.h"
 
