@@ -30,7 +30,7 @@ struct BitWriter {
   void set(std::size_t first, std::size_t count, std::uint64_t value) {
     for (std::size_t i = 0; i < count; ++i) {
       if ((first + i) / 8 >= bytes.size()) bytes.resize((first + i) / 8 + 1);
-      if (value >> i & 1) bytes[(first + i) / 8] |= static_cast<std::uint8_t>(1u << ((first + i) % 8));
+      if (i < 64 && (value >> i & 1)) bytes[(first + i) / 8] |= static_cast<std::uint8_t>(1u << ((first + i) % 8));
     }
   }
   void add(std::uint64_t value, std::size_t count) {
