@@ -22,7 +22,8 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t kMostBlockTexels = 144; // 12 x 12
+constexpr std::size_t kMostBlockTexels = 144;                 // 12 x 12
+constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 40; // no product of sizes overflows, whatever `check` allows
 
 const Format& format_of(const Container& container) {
   if (container.vk_format == 0) {
@@ -158,6 +159,8 @@ void apply_swizzle(const std::array<char, 4>& swizzle, std::vector<Sample>& samp
 Picture read(Bytes file, const CheckSize& check) {
   const Container container = read_container(file);
   check(container.width, container.height);
+  if (std::uint64_t{container.width} * container.height > kMostTexels)
+    throw FileError("has " + std::to_string(container.width) + " x " + std::to_string(container.height) + " texels");
   Picture picture;
   picture.width = container.width;
   picture.height = container.height;

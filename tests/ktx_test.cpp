@@ -164,6 +164,17 @@ TEST(KtxContainer, CheckComesBeforeMemory) {
   EXPECT_NE(ktx_refusal(file.bytes()).find("instead of 14400000000"), std::string::npos);
 }
 
+// Products of these sizes, in bytes, are 0 or 16 in 64 bits.
+TEST(KtxContainer, SizesThatOverflow) {
+  for (const std::uint32_t vk_format : {109u, 145u}) {
+    KtxFile file;
+    file.vk_format = vk_format;
+    file.width = file.height = 0x80000000;
+    file.level = Bytes(16);
+    EXPECT_EQ(ktx_refusal(file.bytes()), "has 2147483648 x 2147483648 texels");
+  }
+}
+
 // Every prefix of a file is refused: each part lies within what the file has.
 TEST(KtxContainer, CutShort) {
   KtxFile file;
