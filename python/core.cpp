@@ -268,6 +268,7 @@ void bind_session(py::module_& m) {
            }),
            py::arg("file"), py::arg("settings"), py::arg("device") = py::none())
       .def("cameras", [](const HeldSession& held) { return names_of(held.session->cameras()); })
+      .def("variants", [](const HeldSession& held) { return held.session->variants(); })
       .def("nodes", [](const HeldSession& held) { return names_of(held.session->nodes()); })
       .def("materials", [](const HeldSession& held) { return names_of(held.session->materials()); })
       .def("lights",

@@ -130,6 +130,35 @@ def point_light():
     return g
 
 
+def ies(vertical, horizontal, candela, factors=(1.0, 1.0)):
+    """Text of an LM-63 file of type C photometry; `candela`: by horizontal angle."""
+    rows = [" ".join(f"{v:g}" for v in row) for row in (vertical, horizontal, *candela)]
+    head = f"1 -1 {factors[0]:g} {len(vertical)} {len(horizontal)} 1 2 0 0 0\n{factors[1]:g} 1 10"
+    return "\n".join(["IESNA:LM-63-2002", "[TEST] wavepath", "TILT=NONE", head, *rows]) + "\n"
+
+
+def luminaire():
+    """Aimed down and turned by 90 degrees, so that +X is at its horizontal angle of 90 degrees; seen from 30 degrees off
+    its axis, halfway between two vertical angles and at one third of the way between two horizontal ones."""
+    g = receiver("luminaire with a measured profile")
+    turned = math.radians(-60.0)  # about the axis: +X of the node to the direction of the receiver, less 60 degrees
+    h = 2.0
+    aside = h * math.tan(math.radians(30.0))
+    text = ies([0, 20, 40, 90], [0, 90], [[100, 80, 40, 0], [100, 50, 20, 0]], factors=(2.0, 0.5))
+    # -Z of the node to -Y, +X to itself: a quarter turn about X; then about Y.
+    quarter = (-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+    y = (0.0, math.sin(turned / 2), 0.0, math.cos(turned / 2))
+    rotation = (y[3] * quarter[0] + y[1] * quarter[2], y[1] * quarter[3], -y[1] * quarter[0], y[3] * quarter[3])
+    g.luminaire(text, COLOR_UNIT, 3.0, position=(-aside, h, 0.0), rotation=rotation)
+    along = {0: (80 + 40) / 2, 90: (50 + 20) / 2}
+    third = 60.0 / 90.0
+    intensity = 3.0 * ((1 - third) * along[0] + third * along[90])
+    e = intensity * math.cos(math.radians(30.0)) ** 3 / h ** 2
+    g.expect("E = I cos^3/h^2, I of a table between its angles, h = 2, 30 degrees off the axis",
+             reflected(e, COLOR_UNIT), flags(), exact=2e-5, estimators=NEEDS_LIGHT_SAMPLING)
+    return g
+
+
 def point_light_with_range():
     g = receiver("point light whose range is 3 m, 2 m away")
     g.light("point", 10.0, COLOR_UNIT, position=(0.0, 2.0, 0.0), range=3.0)
@@ -322,7 +351,7 @@ def scenes():
     """File stem, scene."""
     for build in (disc_light, half_hidden_disc_light, sphere_light, tilted_sphere_light, rectangle_light_corner,
                   rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light,
-                  point_light_with_range,
+                  point_light_with_range, luminaire,
                   roof_under_the_sun, directional_light, spot_light, flat_scales, lights_of_all_sizes, facing_squares,
                   adjacent_squares, inside_glowing_cube, enclosure,
                   truncated_enclosure, point_light_in_sphere, lit_ceiling, occlusion_by_wall, occlusion_in_wedge,

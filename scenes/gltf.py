@@ -246,6 +246,17 @@ class Gltf:
         node = self.doc["nodes"][self.node(**properties)]
         self.extend(node, KHR_lights_punctual={"light": len(lights) - 1})
 
+    def luminaire(self, text, color=(1.0, 1.0, 1.0), multiplier=1.0, position=(0.0, 0.0, 0.0), rotation=None):
+        """A lamp of EXT_lights_ies; `text`: the file of its profile; `rotation`: quaternion."""
+        lights = self.doc.setdefault("extensions", {}).setdefault("EXT_lights_ies", {"lights": []})["lights"]
+        data = base64.b64encode(text.encode()).decode()
+        lights.append({"uri": "data:application/x-ies-lm-63;base64," + data})
+        properties = {"name": "luminaire", "translation": list(position)}
+        if rotation:
+            properties["rotation"] = list(rotation)
+        node = self.doc["nodes"][self.node(**properties)]
+        self.extend(node, EXT_lights_ies={"light": len(lights) - 1, "color": list(color), "multiplier": multiplier})
+
     def expect(self, about, expected, render, **terms):
         """What tests/analytic_test.cpp and a reader need: see README.md in this folder."""
         self.doc["extras"] = {"wavepath": {"about": about, "render": render, "expected": tidy(list(expected)), **terms}}

@@ -150,6 +150,7 @@ Json describe(const std::string& path, const Scene& scene, const ScenePlan& plan
             {"environment", scene.environment.present()}}},
           {"cameras", cameras},
           {"extensions", scene.extensions_used},
+          {"variants", scene.variants},
           {"bytes",
            {{"triangles", planned.triangle_bytes},
             {"nodes", planned.node_bytes},
@@ -276,6 +277,8 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions, 
   print_out("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
   print_cameras(about, settings);
   print_out("  extensions  {}\n", join_or_none(extensions));
+  if (const Json& variants = about["variants"]; !variants.empty())
+    print_out("  variants    {}\n", join_or_none(variants.get<std::vector<std::string>>()));
   print_out("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
     if (what != "total" && number(count) > 0) print_out("    {:<12}{}\n", what, to_size_text(number(count)));

@@ -52,9 +52,16 @@ double extent(const FlagValue& value, double least, double most) {
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   const char* group = "Scene";
-  CLI::Option* scene = add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, keep(request.path));
+  CLI::Option* scene = add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 or 2.1 file, .gltf or .glb"}, keep(request.path));
   if (required) require(scene);
   add_flag(app, group, {"--scene", "NAME|INDEX", "scene of the file", "the file's default"}, keep(request.load.scene));
+  add_flag(app, group,
+           {"--variant", "NAME", "variant of the materials (KHR_materials_variants); info lists them",
+            "the materials that the file shows without one", kAdvanced},
+           [&](const FlagValue& value) {
+             if (value.text.empty()) value.refuse("names nothing", "give the name of a variant, or leave it out");
+             request.load.variant = value.text;
+           });
   add_flag(app, group, {"--animation", "NAME|INDEX", "animation that poses the scene", "none"},
            keep(request.load.animation));
   add_flag(app, group, {"--at", "SECONDS", "time in the animation, in seconds", "0"},

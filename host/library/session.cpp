@@ -156,6 +156,7 @@ void follow(SessionState& state, const wavepath::SceneRequest& wanted, const wav
   wavepath::SceneRequest now = state.loaded;
   now.load.at = wanted.load.at;
   now.load.shutter = wanted.load.shutter;
+  now.load.variant = wanted.load.variant;
   now.environment = wanted.environment;
   now.environment_intensity = wanted.environment_intensity;
   now.environment_degrees = wanted.environment_degrees;
@@ -167,6 +168,7 @@ void follow(SessionState& state, const wavepath::SceneRequest& wanted, const wav
   wavepath::Session& session = *state.session;
   if (wanted.load.at != state.loaded.load.at || wanted.load.shutter != state.loaded.load.shutter)
     session.set_moment(wanted.load.at, wanted.load.shutter);
+  session.set_variant(wanted.load.variant);
   if (wanted.environment != state.loaded.environment ||
       wanted.environment_intensity != state.loaded.environment_intensity ||
       wanted.environment_degrees != state.loaded.environment_degrees)
@@ -212,6 +214,8 @@ std::vector<Named> Session::cameras() const {
   for (const wavepath::Camera& camera : state_->session->scene().cameras) names.push_back(camera.name);
   return named(names);
 }
+
+std::vector<std::string> Session::variants() const { return state_->session->scene().variants; }
 
 std::vector<Named> Session::nodes() const { return named(state_->session->scene().node_names); }
 

@@ -73,6 +73,17 @@ struct Camera {
   glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
 };
 
+// A measured luminaire (IES LM-63): its intensity by direction, relative to the largest. Vertical angles ascend from
+// that of the first to that of the last value, outside of which it is dark. Horizontal angles ascend from 0 or below
+// to 2 pi or above, or there is one, of a luminaire that is alike all around.
+struct LightProfile {
+  std::string name;
+  std::vector<float> vertical, horizontal; // radians
+  std::vector<float> intensities;          // by horizontal angle, then by vertical angle
+
+  bool operator==(const LightProfile&) const = default;
+};
+
 enum class LightKind : std::uint8_t { point, spot, directional };
 
 struct PunctualLight {
@@ -86,6 +97,10 @@ struct PunctualLight {
   // Of a soft lamp: radius in metres, or half the angle in radians under which a directional light is seen; 0 = none.
   double extent = 0.0;
   std::uint32_t node = kNoIndex; // of the file, that carries it; kNoIndex: no node does
+  // A point light: factor on its intensity, one of Scene::profiles. `direction` is that of vertical angle 0, `tangent`
+  // that of horizontal angle 0 beside it.
+  std::uint32_t profile = kNoIndex;
+  glm::dvec3 tangent{1.0, 0.0, 0.0};
 
   bool operator==(const PunctualLight&) const = default;
 };
@@ -111,10 +126,12 @@ struct Scene {
   std::vector<std::uint32_t> node_parents; // likewise; kNoIndex where it has none
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
+  std::vector<LightProfile> profiles;
   Environment environment;
   // Materials first <= m < end are those of the shadow catcher alone (host/scene/staging/catcher.h).
   std::uint32_t first_catcher = 0, end_catcher = 0;
   std::vector<std::string> extensions_used;
+  std::vector<std::string> variants; // names of KHR_materials_variants
   Warnings warnings;
 };
 

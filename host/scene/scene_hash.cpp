@@ -79,7 +79,8 @@ void add(Hash& hash, const Instance& instance) {
 }
 
 void add(Hash& hash, const PunctualLight& light) {
-  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent, node] = light;
+  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent, node, profile, tangent] =
+      light;
   hash.add(kind);
   hash.add(intensity);
   hash.add(position);
@@ -88,6 +89,16 @@ void add(Hash& hash, const PunctualLight& light) {
   hash.add(outer_cone);
   hash.add(range);
   if (extent > 0.0) hash.add(extent);
+  if (profile == kNoIndex) return;
+  hash.add(profile);
+  hash.add(tangent);
+}
+
+void add(Hash& hash, const LightProfile& profile) {
+  const auto& [name, vertical, horizontal, intensities] = profile;
+  hash.add_all(vertical);
+  hash.add_all(horizontal);
+  hash.add_all(intensities);
 }
 
 void add(Hash& hash, const Environment& environment) {
@@ -110,7 +121,7 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
   const auto& [path, files, images, materials, meshes, instances, node_names, node_parents, cameras, lights,
-               environment, first_catcher, end_catcher, extensions_used, warnings] = scene;
+               profiles, environment, first_catcher, end_catcher, extensions_used, variants, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);
@@ -118,6 +129,7 @@ std::uint64_t hash_scene(const Scene& scene) {
   add_each(hash, instances);
   add_each(hash, lights);
   add(hash, environment);
+  for (const LightProfile& profile : profiles) add(hash, profile);
   if (end_catcher > first_catcher) {
     hash.add(first_catcher);
     hash.add(end_catcher);

@@ -39,14 +39,28 @@ PunctualLight sun_at(const glm::dvec2& degrees) {
   return sun;
 }
 
+// The environment of the file, as --env-intensity and --env-rotation have it.
+Environment own_environment(const SceneRequest& request, const LoadedScene& loaded) {
+  Environment environment = *loaded.own_environment;
+  environment.radiance *= static_cast<float>(request.environment_intensity);
+  environment.rotation += glm::radians(request.environment_degrees);
+  return environment;
+}
+
 // With a sun that was added, and in studies of the shadows of lamps, the lights that there are shine alone.
 DefaultLight rule_light(const SceneRequest& request, const Scene& scene, const LoadedScene& loaded) {
+  if (loaded.own_environment) return DefaultLight::authored;
   if (loaded.sun || (request.sun_if_unlit && is_lit(scene))) return DefaultLight::authored;
   return choose_light(scene, loaded.framing.inside);
 }
 
 // `scene` is, or will be, that of `loaded`.
 void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
+  if (loaded.own_environment) {
+    scene.environment = own_environment(request, loaded);
+    loaded.light = "as authored, by the image-based light of the file (--env replaces it)";
+    return;
+  }
   const DefaultLight light = rule_light(request, scene, loaded);
   scene.environment = requested_environment(request, light);
   loaded.light = reason(light);
@@ -89,6 +103,8 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
   loaded.sun = request.sun;
   loaded.file = std::make_shared<GltfFile>(request.path);
   loaded.scene = loaded.file->load(staged.load, [&](Scene& scene) {
+    if (scene.environment.present()) loaded.own_environment = std::move(scene.environment);
+    scene.environment = {};
     if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
     const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;

@@ -67,6 +67,7 @@ std::string flags_of(const SceneRequest& request) {
     if (!value.empty()) flags += fmt::format(" {} {}", flag, shell_quoted(value));
   };
   add("--scene", load.scene);
+  add("--variant", load.variant);
   add("--animation", load.animation);
   if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
   if (load.at != 0.0) add("--at", fmt::format("{}", load.at));

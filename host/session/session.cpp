@@ -246,6 +246,7 @@ void Session::State::pose(const RenderPlan& settings) {
   if (!is_pose_due(settings)) return;
   if (poses) {
     const bool is_still = pose_as(request.scene);
+    if (!loaded.file->keeps_materials()) other_materials = other_images = true;
     is_posed = true;
     is_posed_else |= !is_still || moves;
     poses = moves = false;
@@ -423,9 +424,11 @@ Session::Session(const SessionRequest& request) : state_(std::make_unique<State>
   s.request.scene.load.keeps_hidden = request.use == SessionUse::edits;
   const Clock::time_point start = Clock::now();
   s.other_motion = request.motion.next.given() || request.motion.previous.given();
-  const bool stays_open = request.use >= SessionUse::poses || request.motion.next.at || request.motion.previous.at;
+  const bool poses = request.use >= SessionUse::poses || request.motion.next.at || request.motion.previous.at;
+  const bool stays_open = poses || request.use == SessionUse::light; // for its variants
   s.prepared = open(s.request.scene, request.render, s.loaded, stays_open, request.device, request.window_extensions);
   s.prepared.load_seconds = seconds_since(start);
+  if (!poses && s.scene().variants.empty()) s.loaded.file.reset();
   s.file_nodes = s.scene().node_names.size();
   const RenderPlan& settings = request.render.settings;
   s.eye = request.render.origin.value_or(view(settings.width, settings.height).position);
@@ -467,6 +470,18 @@ void Session::set_moment(double at, std::optional<std::pair<double, double>> shu
   load.at = at;
   load.shutter = shutter;
   state_->poses = true;
+}
+
+void Session::set_variant(const std::string& name) {
+  State& s = *state_;
+  if (s.request.scene.load.variant == name) return;
+  s.require_edits(SessionUse::light);
+  const std::vector<std::string>& all = s.scene().variants;
+  if (!name.empty() && std::ranges::find(all, name) == all.end())
+    throw Error(s.scene().path, fmt::format("has no variant '{}'", name),
+                all.empty() ? "it has no variants" : fmt::format("choose one of '{}'", fmt::join(all, "', '")));
+  s.request.scene.load.variant = name;
+  s.poses = s.other_materials = true;
 }
 
 void Session::set_motion(const MotionRequest& motion) {

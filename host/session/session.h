@@ -40,7 +40,7 @@ namespace wavepath {
 class Progressive; // host/render/progressive/progressive.h
 
 // What a session keeps for edits to come. one_picture: nothing; edits of the scene are refused. light: for another
-// environment, and for settings that pack the scene otherwise. poses: also for set_moment() and all that changes
+// environment or variant, and for settings that pack the scene otherwise. poses: also for set_moment() and all that changes
 // nothing else of the file's nodes and materials. edits: all.
 enum class SessionUse { one_picture, light, poses, edits };
 
@@ -136,6 +136,8 @@ public:
   void set_origin(const std::optional<glm::dvec3>& origin);
   // Moment of the animation in seconds; `shutter`: when it opens and closes, instead of `at`.
   void set_moment(double at, std::optional<std::pair<double, double>> shutter = {});
+  // Variant of the materials, one of Scene::variants; empty: none.
+  void set_variant(const std::string& name);
   // The other moments and cameras that --aov motion and motion_back tell motion to.
   void set_motion(const MotionRequest& motion);
   void set_environment(const EnvironmentRequest& environment); // reads the file at once

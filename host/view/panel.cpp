@@ -198,6 +198,17 @@ void show_environment(PanelState& state, PanelWishes& wishes) {
   wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
 }
 
+void show_variants(PanelState& state, const PanelFacts& facts, PanelWishes& wishes) {
+  const auto choose = [&](const std::string& name, const std::string& shown) {
+    if (!ImGui::Selectable(shown.c_str(), state.variant == name) || state.variant == name) return;
+    state.variant = name;
+    wishes.variant = true;
+  };
+  choose("", "none##variant");
+  for (std::size_t i = 0; i < facts.variants.size(); ++i)
+    choose(facts.variants[i], fmt::format("{}##variant{}", facts.variants[i], i));
+}
+
 void show_cameras(const PanelFacts& facts, PanelWishes& wishes) {
   if (ImGui::Button("reset (R)")) wishes.reset = true;
   ImGui::SameLine();
@@ -232,6 +243,7 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     if (supports(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
     if (section("light transport")) show_transport(state, wishes);
     if (section("environment", false)) show_environment(state, wishes);
+    if (!facts.variants.empty() && section("variant")) show_variants(state, facts, wishes);
     if (section("camera")) show_cameras(facts, wishes);
     if (!facts.notes.empty() && section("approximated", false))
       for (const std::string& note : facts.notes) ImGui::TextWrapped("%s", note.c_str());

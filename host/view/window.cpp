@@ -137,6 +137,7 @@ Viewer::Viewer(ViewedScene& scene, const WindowRequest& request)
   panel_.display = request.display;
   panel_.display.bgra = presenter_.swapchain().bgra();
   panel_.environment = environment_;
+  panel_.variant = scene_.session().scene_request().load.variant;
   panel_.target_error = request.target_error;
   panel_.comparison = request.comparison;
   camera_.resize(panel_.settings.width, panel_.settings.height);
@@ -347,6 +348,13 @@ void Viewer::act(const PanelWishes& wishes) {
       panel_.message = error.what();
       panel_.environment = environment_;
     }
+  if (wishes.variant) try {
+      scene_.set_variant(panel_.variant);
+      panel_.message.clear();
+    } catch (const Error& error) {
+      panel_.message = error.what();
+      panel_.variant = scene_.session().scene_request().load.variant;
+    }
   fit_comparison();
   if (wishes.reset) camera_.reset();
   if (wishes.frame) camera_.frame_scene();
@@ -503,6 +511,7 @@ PanelFacts Viewer::facts() const {
   facts.status = status_;
   if (panel_.target_error > 0.0) facts.seconds_to_target = render_.seconds_to(panel_.target_error);
   for (const Camera& camera : scene.cameras) facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
+  facts.variants = scene.variants;
   if (request_.notes) facts.notes = request_.notes(render_.settings());
   for (const auto& [text, count] : scene.warnings.counts()) facts.notes.push_back(text);
   facts.score = verdict_.score;

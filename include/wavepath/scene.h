@@ -10,7 +10,8 @@ namespace wavepath_v0 {
 
 struct Scene {
   std::string file; // .gltf or .glb
-  // Flags about the scene: env, env-intensity, env-rotation, animation, at, ground, sun, scene, shutter, staged-at.
+  // Flags about the scene: env, env-intensity, env-rotation, animation, at, ground, sun, scene, shutter, staged-at,
+  // variant.
   Settings settings{};
 };
 

@@ -74,6 +74,7 @@ public:
   std::vector<Named> cameras() const;
   std::vector<Named> nodes() const;
   std::vector<Named> materials() const;
+  std::vector<std::string> variants() const; // of the materials; the flag "variant" takes one
   std::vector<Named> lights() const;   // those of visible nodes; index: the node, or kAddedLight
   std::array<Point, 2> bounds() const; // corners of the box around all vertices
   Device device() const;

@@ -220,7 +220,9 @@ struct Light {
   uint triangle_id; // kLightTriangle
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
-  uint parts; // kLightTriangle, where its emission varies: depth << kPartDepthShift | its first word, see below
+  // kLightTriangle, where its emission varies: depth << kPartDepthShift | its first word, see below. kLightPoint: 1 more
+  // than the first word of its profile; 0 = none.
+  uint parts;
   float inverse_range; // 1/metre: where a point or spot light has faded to nothing; 0 = nowhere
 };
 GPU_CONSTANT uint kLightTexels = 5u;
@@ -229,6 +231,14 @@ GPU_CONSTANT uint kLightTexels = 5u;
 GPU_CONSTANT uint kPartDepthShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
+
+// So do profiles of point lights (kFeatureLightProfiles): words of a light, then those of a table that several may have.
+GPU_CONSTANT uint kProfileAxis = 0u;    // three floats: direction of vertical angle 0
+GPU_CONSTANT uint kProfileTangent = 3u; // of horizontal angle 0, beside it
+GPU_CONSTANT uint kProfileTable = 6u;   // first word of the table
+GPU_CONSTANT uint kProfileWords = 7u;
+// The table: numbers of vertical and horizontal angles, those angles in radians, intensities by horizontal angle.
+GPU_CONSTANT uint kProfileAngles = 2u;
 
 // Groups of lights (kFeatureLightGroups): words of a table. Its first words, then the groups of the lights by index, of
 // the materials, of the instances and of the triangles. The two last are there if nodes of meshes are told apart: the

@@ -58,6 +58,49 @@ float range_window(float inverse_range, float distance_squared) {
   return clamp(1.0 - fraction * fraction, 0.0, 1.0);
 }
 
+#ifdef BIND_LIGHTS
+// A word behind the lights.
+uint part_word(uint word) {
+  return texelFetch(light_texels, int(frame.light_count * kLightTexels + (word >> 2u)))[word & 3u];
+}
+float part_float(uint word) { return uintBitsToFloat(part_word(word)); }
+vec3 part_vector(uint word) { return vec3(part_float(word), part_float(word + 1u), part_float(word + 2u)); }
+
+// Place of an angle among ascending ones, as the index of one plus a fraction of the way to the next.
+float place_among(uint first, uint count, float angle) {
+  uint below = 0u, above = count - 1u;
+  while (above > below + 1u) {
+    uint middle = (below + above) >> 1u;
+    if (part_float(first + middle) <= angle)
+      below = middle;
+    else
+      above = middle;
+  }
+  float begin = part_float(first + below), end = part_float(first + above);
+  return float(below) + (above > below ? clamp((angle - begin) / (end - begin), 0.0, 1.0) : 0.0);
+}
+
+// Intensity of a profile along a direction of any length, relative to the largest one. It goes linearly from angle to
+// angle.
+float profile_intensity(uint parts, vec3 direction) {
+  uint first = parts - 1u, table = part_word(first + kProfileTable);
+  vec3 axis = part_vector(first + kProfileAxis), tangent = part_vector(first + kProfileTangent);
+  uint rows = part_word(table), columns = part_word(table + 1u);
+  uint vertical = table + kProfileAngles, horizontal = vertical + rows, values = horizontal + columns;
+  vec2 beside = vec2(dot(direction, tangent), dot(direction, cross(tangent, axis)));
+  float polar = atan2_exact(length(beside), dot(direction, axis));
+  if (polar < part_float(vertical) || polar > part_float(vertical + rows - 1u)) return 0.0;
+  float turn = atan2_exact(beside.y, beside.x);
+  float row = place_among(vertical, rows, polar);
+  float column = columns > 1u ? place_among(horizontal, columns, turn < 0.0 ? turn + 2.0 * kPi : turn) : 0.0;
+  uint r0 = uint(row), c0 = uint(column), r1 = min(r0 + 1u, rows - 1u), c1 = min(c0 + 1u, columns - 1u);
+  float across = fract(column), down = fract(row);
+  uint near = values + c0 * rows, far = values + c1 * rows;
+  return mix(mix(part_float(near + r0), part_float(near + r1), down),
+             mix(part_float(far + r0), part_float(far + r1), down), across);
+}
+#endif
+
 // Irradiance that a point, spot or directional light gives a surface at p which faces it. to_light: to the light itself
 // for points and spots (not normalized), a unit vector for directional ones.
 vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
@@ -71,6 +114,10 @@ vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
     falloff = clamp(c * light.spot_scale + light.spot_offset, 0.0, 1.0);
     falloff *= falloff;
   }
+#ifdef BIND_LIGHTS
+  if (has_lobe(kFeatureLightProfiles) && light.kind == kLightPoint && light.parts != 0u)
+    falloff = profile_intensity(light.parts, -to_light);
+#endif
   return light.intensity * (falloff * range_window(light.inverse_range, d2) / d2);
 }
 
@@ -147,9 +194,6 @@ uint pick_light(inout uvec2 u) {
 
 // Words behind the lights, for every triangle that is cut: the number of its parts, their ends among the numbers that
 // pick, and their ends among the cells.
-uint part_word(uint word) {
-  return texelFetch(light_texels, int(frame.light_count * kLightTexels + (word >> 2u)))[word & 3u];
-}
 uint first_part, part_count; // word range of the triangle that the next functions read
 uint part_end(uint part) { return part_word(first_part + part); }
 uint part_cell_end(uint part) { return part_word(first_part + part_count + part); }

@@ -205,8 +205,10 @@ class Scene:
 
     def __init__(self, file: Any, *, device: Optional[_core.Device] = None, **flags: Any) -> None:
         self.file = os.fspath(file)
-        self._flags: dict[str, Any] = {}
+        self._flags: dict[str, Any] = {"variant": flags.pop("variant", None)}  # not a default, so that None is none
         self._core = _core.Session(self.file, settings_of(flags), device)
+        if self._flags["variant"] is not None:
+            self._check_variant(self._flags["variant"])
         self._version = 0  # of what is to be seen; progressive() starts again when it changes
         self._camera: CameraArgument = None
         self.last_update: dict[str, float] = {}
@@ -265,6 +267,27 @@ class Scene:
     def time(self, seconds: float) -> None:
         self._flags["at"] = float(seconds)
         self._touch()
+
+    @property
+    def variants(self) -> list[str]:
+        """Names of the variants of materials that the file has."""
+        return list(self._core.variants())
+
+    @property
+    def variant(self) -> Optional[str]:
+        """The variant of materials that is shown; None is the file's own materials."""
+        return self._flags.get("variant")
+
+    @variant.setter
+    def variant(self, name: Optional[str]) -> None:
+        if name is not None:
+            self._check_variant(name)
+        self._flags["variant"] = name
+        self._touch()
+
+    def _check_variant(self, name: str) -> None:
+        if name not in self.variants:
+            raise UsageError("variant", f"is {name!r}, which the file does not have", f"choose one of {self.variants}")
 
     def set_environment(self, environment: Any, *, rotation: float = 0.0, intensity: float = 1.0) -> None:
         """Light the scene by another environment: see ``Environment``."""

@@ -31,6 +31,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
+                   gpu::kFeatureLightProfiles |
                    gpu::kFeatureLightGroups | gpu::kFeatureCover));
 }
 

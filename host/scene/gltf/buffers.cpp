@@ -3,6 +3,7 @@
 #include "host/base/memory.h"
 #include "host/base/read_file.h"
 #include "host/scene/gltf/uri.h"
+#include "host/scene/gltf/views.h"
 
 namespace wavepath::gltf {
 namespace {
@@ -11,9 +12,12 @@ void load_buffer(Document& document, std::size_t buffer) {
   const Source& source = document.buffers[buffer];
   auto& bytes = document.loaded_buffers[buffer];
   const std::string what = "buffer " + std::to_string(buffer);
-  if (source.uri.empty()) {
-    if (buffer != 0 || document.binary.empty()) document.fail(what + " has no data");
-    bytes = std::move(document.binary);
+  if (source.view >= 0) {
+    const Bytes view = view_bytes(document, static_cast<std::size_t>(source.view));
+    bytes.assign(view.begin(), view.end());
+  } else if (source.uri.empty()) {
+    if (source.chunk < 0) document.fail(what + " has no data");
+    bytes = std::move(document.chunks[static_cast<std::size_t>(source.chunk)]);
   } else {
     bytes = uri_bytes(document, what, source.uri, source.size);
   }

@@ -1,86 +1,120 @@
-// Splits a glTF file into its chunks (glTF 2.0 specification, chapter 4: GLB file format).
+// Splits a glTF file into its chunks (glTF 2.0 specification, chapter 4, and draft of glTF 2.1: GLB file format).
 #include "host/scene/gltf/container.h"
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 
 #include "host/base/error.h"
+#include "host/base/memory.h"
 #include "host/base/read_file.h"
 
 namespace wavepath::gltf {
 namespace {
 
 constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 30;
-constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 32; // the length field of a .glb has 32 bits
 // A parsed JSON value takes about 50 bytes, so this many stay below 2 GiB.
 constexpr std::uint64_t kMaxJsonValues = 40'000'000;
 // Valid files need about 10 levels (extensions inside texture references); parsers recurse.
 constexpr int kMaxJsonDepth = 64;
 
-struct Header {
-  char magic[4];
-  std::uint32_t version, length;
-};
-struct ChunkHeader {
-  std::uint32_t length, type;
-};
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
-void read_or_fail(const std::filesystem::path& path, std::uint64_t offset, std::span<std::uint8_t> out) {
-  if (!read_file(path, offset, out)) throw Error(path.string(), "cannot be read", "check its permissions and the disk");
-}
+// Bytes of a file on disk or in memory.
+struct FileBytes {
+  std::string file;
+  std::uint64_t size = 0;
+  std::function<bool(std::uint64_t offset, std::span<std::uint8_t> out)> read;
 
-template <typename T>
-T read_struct(const std::filesystem::path& path, std::uint64_t offset) {
-  std::uint8_t bytes[sizeof(T)];
-  read_or_fail(path, offset, bytes);
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
-
-Container read_glb(const std::filesystem::path& path, std::uint64_t size) {
-  const std::string file = path.string();
-  const auto header = read_struct<Header>(path, 0);
-  if (header.version != 2) {
-    throw Error(file, "has GLB version " + std::to_string(header.version), "convert it to glTF 2.0");
+  void read_or_fail(std::uint64_t offset, std::span<std::uint8_t> out) const {
+    if (!read(offset, out)) throw Error(file, "cannot be read", "check its permissions and the disk");
   }
-  if (header.length > size) {
-    throw Error(file,
-                "is cut short: " + std::to_string(size) + " of " + std::to_string(header.length) + " bytes are there",
+  template <typename T>
+  T value(std::uint64_t offset) const {
+    std::uint8_t bytes[sizeof(T)];
+    read_or_fail(offset, bytes);
+    T result;
+    std::memcpy(&result, bytes, sizeof(T));
+    return result;
+  }
+};
+
+// Version 2 has lengths of 32 bits, version 3 of 64 bits, and an encoding of each chunk.
+struct Chunk {
+  std::uint32_t type = 0, encoding = 0;
+  std::uint64_t length = 0;
+};
+struct Layout {
+  std::uint64_t header = 0, chunk_header = 0, alignment = 0;
+};
+constexpr Layout kLayouts[] = {{12, 8, 4}, {16, 16, 8}}; // versions 2 and 3
+
+Chunk read_chunk_header(const FileBytes& bytes, std::uint32_t version, std::uint64_t offset) {
+  if (version == 2) return {bytes.value<std::uint32_t>(offset + 4), 0, bytes.value<std::uint32_t>(offset)};
+  return {bytes.value<std::uint32_t>(offset), bytes.value<std::uint32_t>(offset + 4),
+          bytes.value<std::uint64_t>(offset + 8)};
+}
+
+// Whether a buffer may lie in this chunk: the one after the JSON, and in version 3 any that the JSON names.
+bool holds_buffer(std::uint32_t version, std::uint64_t number, const Chunk& chunk) {
+  return chunk.type == kBinaryChunk && (version == 3 || number == 1);
+}
+
+Container read_glb(const FileBytes& bytes) {
+  Container container;
+  container.version = bytes.value<std::uint32_t>(4);
+  if (container.version != 2 && container.version != 3)
+    throw Error(bytes.file, "has GLB version " + std::to_string(container.version), "convert it to glTF 2.0");
+  const Layout layout = kLayouts[container.version - 2];
+  const std::uint64_t size = bytes.size;
+  if (size < layout.header) throw Error(bytes.file, "is too short to be glTF", "copy or download it again");
+  const std::uint64_t length =
+      container.version == 2 ? bytes.value<std::uint32_t>(8) : bytes.value<std::uint64_t>(8);
+  if (length > size) {
+    throw Error(bytes.file,
+                "is cut short: " + std::to_string(size) + " of " + std::to_string(length) + " bytes are there",
                 "copy or download it again");
   }
-  Container container;
-  std::uint64_t offset = sizeof(Header);
-  for (int chunk = 0; offset + sizeof(ChunkHeader) <= header.length; ++chunk) {
-    const auto head = read_struct<ChunkHeader>(path, offset);
-    offset += sizeof(ChunkHeader);
-    if (head.length > header.length - offset) {
-      throw Error(file, "chunk " + std::to_string(chunk) + " reaches beyond the end of the file",
-                  "copy or download it again");
+  bool has_json = false;
+  std::uint64_t offset = layout.header;
+  for (std::uint64_t number = 0; offset + layout.chunk_header <= length; ++number) {
+    const Chunk chunk = read_chunk_header(bytes, container.version, offset);
+    const std::string what = "chunk " + std::to_string(number);
+    offset += layout.chunk_header;
+    if (chunk.length > length - offset)
+      throw Error(bytes.file, what + " reaches beyond the end of the file", "copy or download it again");
+    const bool is_json = chunk.type == kJsonChunk && !has_json;
+    if (!has_json && (is_json ? chunk.length > kMaxJsonBytes : container.version == 2))
+      throw Error(bytes.file, "does not begin with a JSON chunk of reasonable size", kRepair);
+    const bool is_buffer = holds_buffer(container.version, number, chunk);
+    if (chunk.encoding != 0 && (is_json || is_buffer))
+      throw Error(bytes.file, what + " has encoding " + std::to_string(chunk.encoding) + ", which wavepath does not know",
+                  "export it without compressed or encrypted chunks");
+    if (is_json) {
+      has_json = true;
+      container.json.resize(chunk.length);
+      bytes.read_or_fail(offset, {reinterpret_cast<std::uint8_t*>(container.json.data()), container.json.size()});
+    } else if (is_buffer) {
+      require_memory(bytes.file, what, chunk.length, "use a machine with more memory");
+      std::vector<std::uint8_t>& contents = container.chunks[number];
+      contents.resize(chunk.length);
+      bytes.read_or_fail(offset, contents);
     }
-    if (chunk == 0 && (head.type != kJsonChunk || head.length > kMaxJsonBytes)) {
-      throw Error(file, "does not begin with a JSON chunk of reasonable size", kRepair);
-    }
-    if (chunk == 0) {
-      container.json.resize(head.length);
-      read_or_fail(path, offset, {reinterpret_cast<std::uint8_t*>(container.json.data()), head.length});
-    } else if (chunk == 1 && head.type == kBinaryChunk) {
-      container.binary.resize(head.length);
-      read_or_fail(path, offset, container.binary);
-    }
-    offset += head.length;
+    offset += chunk.length;
+    // Version 2 counts the padding among the chunk's bytes, version 3 may leave it behind them.
+    if (container.version == 3) offset = (offset + layout.alignment - 1) / layout.alignment * layout.alignment;
   }
+  if (!has_json) throw Error(bytes.file, "holds no JSON chunk", kRepair);
   return container;
 }
 
 // Rejects text that would exhaust the stack or the memory of a JSON parser. Does not check the grammar.
-void check_json_size(const std::string& file, const std::string& json) {
+void check_json_size(const std::string& file, const std::string& text) {
   int depth = 0;
   std::uint64_t values = 0;
   bool in_string = false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     if (in_string) {
       if (c == '\\') ++i;
       if (c == '"') in_string = false;
@@ -102,21 +136,21 @@ void check_json_size(const std::string& file, const std::string& json) {
 
 } // namespace
 
-Container read_container(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const auto size = regular_file_size(path);
-  if (!size) throw Error(file, "is not a file that can be opened", "check the path");
-  if (*size > kMaxFileBytes) throw Error(file, "is larger than 4 GiB", "move its data into .bin files beside a .gltf");
-  if (*size < sizeof(Header)) throw Error(file, "is too short to be glTF", "copy or download it again");
+namespace {
 
+Container read(const FileBytes& bytes) {
+  const std::string& file = bytes.file;
+  if (bytes.size < kLayouts[0].header) throw Error(file, "is too short to be glTF", "copy or download it again");
+  std::uint8_t magic[4];
+  bytes.read_or_fail(0, magic);
   Container container;
-  if (std::memcmp(read_struct<Header>(path, 0).magic, "glTF", 4) == 0) {
-    container = read_glb(path, *size);
+  if (std::memcmp(magic, "glTF", 4) == 0) {
+    container = read_glb(bytes);
   } else {
-    if (*size > kMaxJsonBytes)
+    if (bytes.size > kMaxJsonBytes)
       throw Error(file, "holds more than 1 GiB of JSON", "move its data into .bin files or a .glb");
-    container.json.resize(*size);
-    read_or_fail(path, 0, {reinterpret_cast<std::uint8_t*>(container.json.data()), container.json.size()});
+    container.json.resize(bytes.size);
+    bytes.read_or_fail(0, {reinterpret_cast<std::uint8_t*>(container.json.data()), container.json.size()});
     if (container.json.starts_with("\xef\xbb\xbf")) container.json.erase(0, 3);
   }
   const auto first = container.json.find_first_not_of(" \t\r\n");
@@ -125,6 +159,23 @@ Container read_container(const std::filesystem::path& path) {
   }
   check_json_size(file, container.json);
   return container;
+}
+
+} // namespace
+
+Container read_container(const std::filesystem::path& path) {
+  const auto size = regular_file_size(path);
+  if (!size) throw Error(path.string(), "is not a file that can be opened", "check the path");
+  return read({path.string(), *size,
+               [&](std::uint64_t offset, std::span<std::uint8_t> out) { return read_file(path, offset, out); }});
+}
+
+Container read_container(const std::string& file, std::span<const std::uint8_t> bytes) {
+  return read({file, bytes.size(), [&](std::uint64_t offset, std::span<std::uint8_t> out) {
+                 if (offset > bytes.size() || out.size() > bytes.size() - offset) return false;
+                 std::ranges::copy(bytes.subspan(offset, out.size()), out.begin());
+                 return true;
+               }});
 }
 
 } // namespace wavepath::gltf

@@ -16,13 +16,16 @@
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/flat.h"
+#include "host/scene/gltf/image_light.h"
 #include "host/scene/gltf/instancing.h"
+#include "host/scene/gltf/light_profiles.h"
 #include "host/scene/gltf/material.h"
 #include "host/scene/gltf/mesh.h"
 #include "host/scene/gltf/motion.h"
 #include "host/scene/gltf/nodes.h"
 #include "host/scene/gltf/pose.h"
 #include "host/scene/gltf/uri.h"
+#include "host/scene/gltf/variants.h"
 
 namespace wavepath {
 
@@ -56,6 +59,7 @@ struct Import {
   std::map<FlatUse, std::uint32_t> flat_meshes{};
   std::vector<glm::dmat4> upright{};           // of Scales::signs, once one is needed
   std::map<gltf::MeshUse, Mesh> read_before{}; // meshes that need not be read again
+  gltf::ProfileMap profiles{};
 };
 
 bool is_affine(const glm::dmat4& matrix) {
@@ -73,12 +77,22 @@ const glm::dmat4& upright_matrix(Import& import, std::size_t node) {
 }
 
 // Converts the materials of a node's mesh before its geometry is read, so that images are decoded at the same time.
-void convert_materials(Import& import, const tinygltf::Node& node) {
+void convert_materials(Import& import, const tinygltf::Node& node, bool keeps_variants) {
   if (node.mesh < 0) return;
   for (const tinygltf::Primitive& primitive :
-       import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)
-    if (gltf::has_triangles(primitive))
-      gltf::use_material(import.document, import.scene, import.materials, primitive.material);
+       import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+    if (!gltf::has_triangles(primitive)) continue;
+    gltf::use_material(import.document, import.scene, import.materials, primitive.material);
+    if (!keeps_variants) continue;
+    for (const int material : gltf::all_materials(primitive))
+      gltf::use_material(import.document, import.scene, import.materials, material);
+  }
+}
+
+void convert_materials(Import& import, const std::vector<int>& nodes, const std::vector<bool>& hidden, bool keeps_all) {
+  for (const int node : nodes)
+    if (keeps_all || !hidden[static_cast<std::size_t>(node)])
+      convert_materials(import, import.document.model.nodes[static_cast<std::size_t>(node)], keeps_all);
 }
 
 std::uint32_t add_mesh(Import& import, Mesh mesh) {
@@ -228,16 +242,28 @@ glm::dvec3 light_direction(Import& import, std::size_t node) {
   return unit(-glm::dvec3(is_left ? world[2] : upright_matrix(import, node)[2]));
 }
 
+void add_light(Import& import, std::size_t node_index, PunctualLight light) {
+  const glm::dmat4& world = import.world[node_index];
+  light.node = static_cast<std::uint32_t>(node_index);
+  light.position = glm::dvec3(world[3]);
+  light.direction = light_direction(import, node_index);
+  const bool finite = glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f))) &&
+                      std::isfinite(glm::length(light.direction) + glm::length(light.tangent));
+  if (!is_affine(world) || !finite) {
+    import.scene.warnings.add("light with an intensity or a transform that is not affine or not finite left out");
+    return;
+  }
+  import.scene.lights.push_back(std::move(light));
+}
+
 void place_light(Import& import, std::size_t node_index) {
   const tinygltf::Node& node = import.document.model.nodes[node_index];
-  const glm::dmat4& world = import.world[node_index];
   const auto extension = node.extensions.find("KHR_lights_punctual");
   if (extension == node.extensions.end()) return;
   const auto index = static_cast<std::size_t>(extension->second.Get("light").GetNumberAsInt());
   const tinygltf::Light& source = import.document.model.lights[index];
   PunctualLight light;
   light.name = !source.name.empty() ? source.name : node.name;
-  light.node = static_cast<std::uint32_t>(node_index);
   light.kind = to_light_kind(import.document, source.type);
   glm::dvec3 color(1.0);
   for (std::size_t i = 0; i < 3 && i < source.color.size(); ++i) color[static_cast<int>(i)] = source.color[i];
@@ -248,22 +274,30 @@ void place_light(Import& import, std::size_t node_index) {
   if (light.kind != LightKind::directional && source.range > 0.0 && std::isfinite(source.range))
     light.range = source.range;
   if (light.kind == LightKind::spot) set_cone(import, source, light);
-  light.position = glm::dvec3(world[3]);
-  light.direction = light_direction(import, node_index);
-  const bool finite =
-      glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f))) && std::isfinite(glm::length(light.direction));
-  if (!is_affine(world) || !finite) {
-    import.scene.warnings.add("light with an intensity or a transform that is not affine or not finite left out");
-    return;
-  }
-  import.scene.lights.push_back(light);
+  add_light(import, node_index, light);
+}
+
+// A luminaire has a direction beside the one that it is aimed at.
+void place_profile_light(Import& import, std::size_t node_index) {
+  const tinygltf::Node& node = import.document.model.nodes[node_index];
+  std::optional<PunctualLight> light = gltf::read_profile_light(import.document, import.scene, import.profiles, node);
+  if (!light) return;
+  const glm::dvec3 aim = light_direction(import, node_index), beside(import.world[node_index][0]);
+  glm::dvec3 tangent = beside - aim * glm::dot(aim, beside);
+  if (!(glm::length(tangent) > gltf::kFlatRounding * glm::length(beside)))
+    tangent = glm::dvec3(upright_matrix(import, node_index)[0]), tangent -= aim * glm::dot(aim, tangent);
+  light->tangent = unit(tangent);
+  add_light(import, node_index, *light);
 }
 
 // What the file says of its scene whatever the moment.
 Scene begin_scene(const Document& document) {
   Scene scene;
   scene.path = document.path.string();
-  for (const auto* sources : {&document.buffers, &document.images})
+  scene.warnings = document.warnings;
+  scene.variants = document.variants;
+  for (const std::filesystem::path& asset : document.assets) scene.files.push_back(asset.string());
+  for (const auto* sources : {&document.buffers, &document.images, &document.profiles})
     for (const gltf::Source& source : *sources)
       if (!source.uri.empty() && !gltf::is_data_uri(source.uri))
         if (const auto file = gltf::resolve_uri(document.path.parent_path(), source.uri))
@@ -275,8 +309,9 @@ Scene begin_scene(const Document& document) {
 }
 
 // Poses the document, and finds out where its nodes are then.
-std::vector<glm::dmat4> pose_nodes(Document& document, Scene& scene, const LoadOptions& options, double seconds) {
-  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
+std::vector<glm::dmat4> pose_nodes(Document& document, Scene& scene, const LoadOptions& options, double seconds,
+                                   gltf::Shutter shutter) {
+  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds, shutter);
   return gltf::world_matrices(document);
 }
 
@@ -291,29 +326,87 @@ void place_nodes(Import& import, const std::vector<int>& nodes, const std::vecto
     for (std::size_t i = placed; i < import.scene.instances.size(); ++i)
       import.scene.instances[i].node = static_cast<std::uint32_t>(index);
     place_light(import, index);
+    place_profile_light(import, index);
   }
   if (import.scene.instances.empty()) import.scene.warnings.add("scene shows no mesh");
 }
 
 // The scene at one moment. `decode`: its images too.
-Scene load_moment(Document& document, const LoadOptions& options, double seconds, bool decode,
+Scene load_moment(Document& document, const LoadOptions& options, double seconds, gltf::Shutter shutter, bool decode,
                   const SceneDescribed& described, Imported* imported = nullptr) {
   Scene scene = begin_scene(document);
   gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
-  Import import{document, scene, pose_nodes(document, scene, options, seconds), options.shutter.has_value()};
+  Import import{document, scene, pose_nodes(document, scene, options, seconds, shutter), options.shutter.has_value()};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   const std::vector<bool> hidden = gltf::hidden_nodes(document);
-  for (const int node_index : nodes)
-    if (options.keeps_hidden || !hidden[static_cast<std::size_t>(node_index)])
-      convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
+  convert_materials(import, nodes, hidden, options.keeps_hidden);
   std::future<std::vector<TextureImage>> images;
   if (decode)
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   place_nodes(import, nodes, hidden);
+  if (decode) scene.environment = gltf::read_image_light(document, options.scene);
   if (imported) *imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
   if (described) described(scene);
   if (decode) gltf::take_images(scene, images.get());
   return scene;
+}
+
+// The scene as the shutter opens, with what moves until it closes.
+Scene load_motion(Document& document, const LoadOptions& options, bool decode, const SceneDescribed& described,
+                  Imported* imported) {
+  const auto [open, close] = *options.shutter;
+  Scene scene = load_moment(document, options, open, {close}, decode, described, imported);
+  if (close != open) gltf::add_motion(scene, load_moment(document, options, close, {{}, true}, false, {}));
+  return scene;
+}
+
+// The images that the materials read now, of which those that were there before go over; then those that others added.
+std::vector<Image> next_images(Document& document, const gltf::ImageMap& before, std::vector<Image> images,
+                               const gltf::ImageMap& now) {
+  std::vector<Image> result(now.sources.size());
+  gltf::ImageMap missing;
+  std::vector<std::size_t> places;
+  for (const auto& [key, index] : now.index_of) {
+    const auto known = before.index_of.find(key);
+    if (known != before.index_of.end()) {
+      result[index] = std::move(images[known->second]);
+    } else {
+      missing.sources.push_back(now.sources[index]);
+      places.push_back(index);
+    }
+  }
+  std::vector<Image> decoded = gltf::decode_images(gltf::image_files(document, missing));
+  for (std::size_t i = 0; i < places.size(); ++i) result[places[i]] = std::move(decoded[i]);
+  for (std::size_t i = before.sources.size(); i < images.size(); ++i) result.push_back(std::move(images[i]));
+  return result;
+}
+
+// What meshes carry for a material.
+bool reads_alike(const Material& a, const Material& b) {
+  const auto same = [](const TextureSlot& s, const TextureSlot& t) {
+    return s.uv_set == t.uv_set && s.uv_matrix == t.uv_matrix;
+  };
+  const auto sets = [](const Material& m) {
+    std::uint64_t bits = 0;
+    visit_textures(m, [&](const MaterialTexture&, const TextureSlot& s) { bits |= std::uint64_t{1} << (s.uv_set & 63); });
+    return bits;
+  };
+  if (sets(a) != sets(b) || needs_tangents(a) != needs_tangents(b)) return false;
+  if (!needs_tangents(a)) return true;
+  return same(tangent_slot(a), tangent_slot(b)) &&
+         same(layer_tangent_slot(a, kCoatTangents), layer_tangent_slot(b, kCoatTangents)) &&
+         same(layer_tangent_slot(a, kGrainTangents), layer_tangent_slot(b, kGrainTangents));
+}
+
+// Reads the materials of an import anew, in the order that they have. Returns whether the meshes are still theirs.
+bool read_materials_again(Import& import, const gltf::MaterialMap& before, const std::vector<Material>& materials) {
+  if (!before.crowded.empty()) return false; // some are versions for single primitives
+  std::vector<int> order(before.materials.size());
+  for (const auto& [material, index] : before.materials) order[index] = material;
+  for (const int material : order) gltf::use_material(import.document, import.scene, import.materials, material);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (!reads_alike(materials[i], import.scene.materials[i])) return false;
+  return true;
 }
 
 // Whether every instance and vertex is where it was. Meshes that went over have left nothing in `before`.
@@ -337,7 +430,7 @@ struct GltfFile::State {
   gltf::Document document;
   gltf::Imported imported;
   std::map<std::size_t, std::vector<double>> file_matrices{}; // of nodes whose matrix was replaced
-  bool is_still = false, forgets_meshes = false;
+  bool is_still = false, keeps_materials = true, forgets_meshes = false;
 };
 
 GltfFile::GltfFile(const std::filesystem::path& path) : state_(new State{gltf::open_document(path), {}}) {}
@@ -346,17 +439,22 @@ GltfFile::~GltfFile() = default;
 
 bool GltfFile::is_still() const { return state_->is_still; }
 
+bool GltfFile::keeps_materials() const { return state_->keeps_materials; }
+
 void GltfFile::set_matrix(std::size_t node, const std::optional<glm::dmat4>& matrix) {
   std::vector<double>& own = state_->document.model.nodes.at(node).matrix;
   state_->file_matrices.try_emplace(node, own);
   own = matrix ? std::vector<double>(glm::value_ptr(*matrix), glm::value_ptr(*matrix) + 16)
                : state_->file_matrices.at(node);
+  if (matrix)
+    state_->document.told_matrices.insert(node);
+  else
+    state_->document.told_matrices.erase(node);
 }
 
 void GltfFile::set_visible(std::size_t node, bool is_visible) {
-  tinygltf::Value::Object visibility;
-  visibility["visible"] = tinygltf::Value(is_visible);
-  state_->document.model.nodes.at(node).extensions[gltf::kNodeVisibility] = tinygltf::Value(std::move(visibility));
+  gltf::set_hidden(state_->document.model.nodes.at(node), !is_visible);
+  state_->document.told_hidden.insert(node);
 }
 
 glm::dmat4 GltfFile::matrix(std::size_t node) const {
@@ -373,37 +471,50 @@ std::size_t GltfFile::material_count() const { return state_->imported.material_
 
 Scene GltfFile::load(const LoadOptions& options, const SceneDescribed& described) {
   Document& document = state_->document;
-  const double seconds = options.shutter ? options.shutter->first : options.at;
-  Scene scene = load_moment(document, options, seconds, true, described, &state_->imported);
-  if (options.shutter && options.shutter->second != seconds)
-    gltf::add_motion(scene, load_moment(document, options, options.shutter->second, false, {}));
-  return scene;
+  gltf::choose_variant(document, options.variant);
+  document.keeps_textures = gltf::animates_materials(document, options.animation);
+  if (options.shutter) return load_motion(document, options, true, described, &state_->imported);
+  return load_moment(document, options, options.at, {}, true, described, &state_->imported);
 }
 
 Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   Document& document = state_->document;
   Imported& imported = state_->imported;
+  const bool other_variant = gltf::choose_variant(document, options.variant);
+  const bool moves_materials = gltf::animates_materials(document, options.animation);
+  state_->keeps_materials = !other_variant && !moves_materials;
   if (options.shutter) { // motion changes meshes, so that all are read again
-    Scene scene = load_moment(document, options, options.shutter->first, false, {}, &imported);
-    if (options.shutter->second != options.shutter->first)
-      gltf::add_motion(scene, load_moment(document, options, options.shutter->second, false, {}));
-    scene.images = std::move(before.images);
+    const gltf::ImageMap images = std::move(imported.materials.images);
+    Scene scene = load_motion(document, options, false, {}, &imported);
+    scene.images = next_images(document, images, std::move(before.images), imported.materials.images);
     state_->is_still = false;
     return scene;
   }
   Scene scene = begin_scene(document);
-  Import import{document, scene, pose_nodes(document, scene, options, options.at)};
-  import.materials = std::move(imported.materials);
-  scene.materials = std::move(before.materials);
-  scene.materials.resize(imported.material_count);
+  Import import{document, scene, pose_nodes(document, scene, options, options.at, {})};
+  const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
+  const std::vector<bool> hidden = gltf::hidden_nodes(document);
+  const gltf::ImageMap images = imported.materials.images;
+  before.materials.resize(imported.material_count);
+  if (!moves_materials) {
+    import.materials = std::move(imported.materials);
+    scene.materials = std::move(before.materials);
+  } else if (!read_materials_again(import, imported.materials, before.materials)) {
+    import.materials = {};
+    scene.materials.clear();
+    convert_materials(import, nodes, hidden, options.keeps_hidden);
+    state_->forgets_meshes = true;
+  }
+  state_->forgets_meshes |= other_variant; // primitives show other materials
   for (auto& [use, mesh] : imported.meshes)
     if (use.skin < 0 && !before.meshes[mesh].moves() && !state_->forgets_meshes)
       import.read_before.emplace(use, std::move(before.meshes[mesh]));
-  place_nodes(import, gltf::scene_nodes(document, options.scene), gltf::hidden_nodes(document));
+  place_nodes(import, nodes, hidden);
   imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
   state_->is_still = !state_->forgets_meshes && has_same_shape(before, scene);
   state_->forgets_meshes = false;
-  scene.images = std::move(before.images);
+  scene.images = next_images(document, images, std::move(before.images), imported.materials.images);
+  state_->keeps_materials &= imported.materials.images.sources.size() == images.sources.size();
   return scene;
 }
 

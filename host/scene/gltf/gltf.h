@@ -1,4 +1,4 @@
-// Reads a glTF 2.0 file (.gltf with what it refers to, or .glb) into a Scene: everything checked, decoded and posed.
+// Reads a glTF 2.x file (.gltf with what it refers to, or .glb) into a Scene: everything checked, decoded and posed.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,8 @@ struct LoadOptions {
   double at = 0.0;       // seconds into the animation, clamped to its key frames
   // Instead of `at`: when the shutter opens and closes. Cameras and lights stay as they are when it opens.
   std::optional<std::pair<double, double>> shutter{};
-  bool keeps_hidden = false; // materials of hidden nodes are read too, so that the nodes can be shown later
+  std::string variant{};     // name of KHR_materials_variants; empty = the materials that the file shows without one
+  bool keeps_hidden = false; // materials of hidden nodes and of other variants are read too, so that they can be shown
 };
 
 // Throws Error that names the file, what is wrong with it and what to do. What is ignored or repaired is counted in
@@ -38,7 +39,7 @@ public:
 
   // As load_gltf().
   Scene load(const LoadOptions& options = {}, const SceneDescribed& described = {});
-  // The scene at another moment. `before`: what load() or pose() gave last, whose images, materials and meshes that
+  // The scene at another moment, or of another variant. `before`: what load() or pose() gave last, whose images, materials and meshes that
   // keep their shape go over; what others added to its materials, meshes, instances and lights since does not. Without
   // an environment. `options` are those of load() but for the moment.
   Scene pose(const LoadOptions& options, Scene before);
@@ -53,8 +54,10 @@ public:
   void forget_meshes();
   // Materials of the file that the scene has, before those that others added.
   std::size_t material_count() const;
-  // Whether the scene that pose() gave last has every instance and vertex where the one before had it.
+  // Whether the scene that pose() gave last has every instance and vertex where the one before had it; and whether it
+  // has the same materials.
   bool is_still() const;
+  bool keeps_materials() const;
 
 private:
   struct State;

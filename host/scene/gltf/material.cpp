@@ -162,7 +162,7 @@ Material read_material(const Document& document, ImageMap& images, Warnings& war
   visit_material_fields(Overloaded{[](const auto&) {},
                                    [&](const MaterialTexture& row) {
                                      const json* info = find_property(source, row.gltf);
-                                     if (info && (!row.visible || row.visible(material)))
+                                     if (info && (document.keeps_textures || !row.visible || row.visible(material)))
                                        material.*row.field = read_texture(document, images, warnings, *info, row.srgb);
                                    }});
   if (source.contains("occlusionTexture")) warnings.add("occlusion texture ignored: path tracing computes occlusion");

@@ -9,6 +9,16 @@
 namespace wavepath::gltf {
 namespace {
 
+// First byte of attributes in the newer of the two encodings that KHR_meshopt_compression has.
+constexpr std::uint8_t kVersion1 = 0xa1;
+constexpr const char* kOlder = "export it with EXT_meshopt_compression";
+
+const tinygltf::Value* extension_of(const tinygltf::BufferView& view) {
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+    if (const auto found = view.extensions.find(name); found != view.extensions.end()) return &found->second;
+  return nullptr;
+}
+
 struct Meshopt {
   std::size_t buffer, offset, length, stride, count;
   std::string mode, filter;
@@ -47,12 +57,17 @@ bool is_filter_sound(const Meshopt& view) {
 
 } // namespace
 
+bool is_meshopt(const tinygltf::BufferView& view) { return extension_of(view) != nullptr; }
+
 std::vector<std::uint8_t> decode_meshopt(Document& document, std::size_t index) {
   const std::string what = "buffer view " + std::to_string(index);
-  const Meshopt view = read_meshopt(document.model.bufferViews[index].extensions.at("EXT_meshopt_compression"));
+  const Meshopt view = read_meshopt(*extension_of(document.model.bufferViews[index]));
+  if (view.filter == "COLOR") document.fail(what + " has meshopt filter COLOR, which wavepath does not know", kOlder);
   if (!is_plausible(view)) document.fail(what + " has a meshopt mode, stride or count that its data cannot have");
   if (!is_filter_sound(view)) document.fail(what + " has a meshopt filter that does not fit its mode or stride");
   const Bytes bytes = buffer_bytes(document, view.buffer, view.offset, view.length);
+  if (view.mode == "ATTRIBUTES" && !bytes.empty() && bytes[0] == kVersion1)
+    document.fail(what + " holds meshopt data of version 1, of which wavepath knows version 0", kOlder);
   require_memory(document.file, what, view.count * view.stride, "use a machine with more memory");
   std::vector<std::uint8_t> out(view.count * view.stride);
   int failed = 0;

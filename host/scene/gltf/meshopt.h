@@ -1,4 +1,4 @@
-// EXT_meshopt_compression, which compresses buffer views.
+// EXT_meshopt_compression and KHR_meshopt_compression, which compress buffer views.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,9 @@
 
 namespace wavepath::gltf {
 
-// The decompressed contents of a buffer view that has the extension. Throws Error.
+bool is_meshopt(const tinygltf::BufferView& view);
+
+// The decompressed contents of a buffer view that has one of the extensions. Throws Error.
 std::vector<std::uint8_t> decode_meshopt(Document& document, std::size_t view);
 
 } // namespace wavepath::gltf

@@ -91,17 +91,21 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
                 list.empty() ? "leave that option out" : "choose one of " + list);
 }
 
+std::optional<std::size_t> scene_index(const Document& document, const std::string& request) {
+  const auto& scenes = document.model.scenes;
+  if (request.empty() && scenes.empty()) return {};
+  if (request.empty()) return document.model.defaultScene >= 0 ? at(document.model.defaultScene) : 0;
+  std::vector<std::string> names;
+  for (const auto& scene : scenes) names.push_back(scene.name);
+  return choose(document, "scene", names, request);
+}
+
 std::vector<int> scene_nodes(const Document& document, const std::string& request) {
   const auto parent_of = parents(document);
-  const auto& scenes = document.model.scenes;
-  if (request.empty() && scenes.empty()) return with_descendants(document, roots(parent_of));
-  std::size_t chosen = document.model.defaultScene >= 0 ? at(document.model.defaultScene) : 0;
-  if (!request.empty()) {
-    std::vector<std::string> names;
-    for (const auto& scene : scenes) names.push_back(scene.name);
-    chosen = choose(document, "scene", names, request);
-  }
-  std::vector<int> nodes = scenes[chosen].nodes;
+  const std::optional<std::size_t> index = scene_index(document, request);
+  if (!index) return with_descendants(document, roots(parent_of));
+  const std::size_t chosen = *index;
+  std::vector<int> nodes = document.model.scenes[chosen].nodes;
   std::vector<bool> seen(parent_of.size());
   for (const int node : nodes) {
     const std::string where = "scene " + std::to_string(chosen) + " lists node " + std::to_string(node);
@@ -147,6 +151,12 @@ bool is_hidden(const tinygltf::Node& node) {
   const auto extension = node.extensions.find(kNodeVisibility);
   if (extension == node.extensions.end() || !extension->second.Has("visible")) return false;
   return !extension->second.Get("visible").Get<bool>();
+}
+
+void set_hidden(tinygltf::Node& node, bool hides) {
+  tinygltf::Value::Object visibility;
+  visibility["visible"] = tinygltf::Value(!hides);
+  node.extensions[kNodeVisibility] = tinygltf::Value(std::move(visibility));
 }
 
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales) {

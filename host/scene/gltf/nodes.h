@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace wavepath::gltf {
 // "animation".
 std::size_t choose(const Document& document, const std::string& kind, const std::vector<std::string>& names,
                    const std::string& request);
+
+// The scene that `request` names; empty: the default scene, else the first one, else none. Throws Error.
+std::optional<std::size_t> scene_index(const Document& document, const std::string& request);
 
 // Nodes of the scene that `request` names (empty: the default scene, else the first one, else every root node), parents
 // before children. Throws Error.
@@ -37,6 +41,7 @@ glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales);
 inline constexpr const char* kNodeVisibility = "KHR_node_visibility";
 // True if that extension of the node itself hides it.
 bool is_hidden(const tinygltf::Node& node);
+void set_hidden(tinygltf::Node& node, bool hides);
 // For each node: true if KHR_node_visibility hides it or a node above it. Nodes must form no cycle, which
 // world_matrices() has checked.
 std::vector<bool> hidden_nodes(const Document& document);

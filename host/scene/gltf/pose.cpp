@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include <nlohmann/json.hpp>
 
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/nodes.h"
+#include "host/scene/gltf/pointer.h"
 #include "host/scene/gltf/uri.h"
 
 namespace wavepath::gltf {
@@ -13,7 +17,15 @@ namespace {
 
 using Values = std::vector<double>;
 
+using nlohmann::json;
+
 constexpr const char* kMovesNothing = "animation channel that moves nothing known ignored";
+
+std::size_t choose_animation(const Document& document, const std::string& request) {
+  std::vector<std::string> names;
+  for (const auto& animation : document.model.animations) names.push_back(animation.name);
+  return choose(document, "animation", names, request);
+}
 
 struct Track {
   Values times,
@@ -98,42 +110,108 @@ Track open_track(Document& document, const tinygltf::AnimationSampler& sampler, 
   return track;
 }
 
-std::size_t target_count(const Document& document, const tinygltf::Node& node) {
-  if (node.mesh < 0) return 0;
-  const auto& primitives = document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives;
-  return primitives.empty() ? 0 : primitives[0].targets.size();
+// A channel of an animation, opened.
+struct Channel {
+  Track track;
+  bool is_rotation = false;
+};
+
+Channel open_channel(Document& document, const tinygltf::Animation& animation, int sampler, const std::string& what,
+                     std::size_t width, bool is_rotation) {
+  if (static_cast<std::size_t>(sampler) >= animation.samplers.size()) document.fail(what + " has no sampler");
+  return {open_track(document, animation.samplers[static_cast<std::size_t>(sampler)], what, width), is_rotation};
+}
+
+Values sample(const Channel& channel, double seconds) { return sample(channel.track, seconds, channel.is_rotation); }
+
+// What stays as the shutter opens, of the parts that a pointer moves.
+const char* part_name(PointerKind kind) {
+  switch (kind) {
+    case PointerKind::visibility:
+      return "visibility of nodes";
+    case PointerKind::material:
+      return "materials";
+    case PointerKind::light:
+      return "lights";
+    default:
+      return "cameras";
+  }
+}
+
+// The moments of a pose, and the JSON of the materials that it changes.
+struct Moment {
+  double seconds = 0.0;
+  std::optional<double> close; // of the shutter
+  bool is_closing = false;
+  json* materials = nullptr;
+};
+
+void apply_pointer(Document& document, Warnings& warnings, const tinygltf::Animation& animation,
+                   const PointerChannel& source, const std::string& what, const Moment& moment) {
+  const std::optional<PointerTarget> target = find_target(document, *moment.materials, source.pointer);
+  if (!target) {
+    warnings.add("animation of " + pointer_template(source.pointer) + " ignored: wavepath knows no such property");
+    return;
+  }
+  if (target->kind == PointerKind::nothing || (moment.is_closing && target->kind != PointerKind::node)) return;
+  const Channel channel =
+      open_channel(document, animation, source.sampler, what, target->width, target->is_rotation);
+  if (target->is_boolean && !channel.track.step) document.fail(what + " interpolates between true and false");
+  const Values value = sample(channel, moment.seconds);
+  if (moment.close && target->kind != PointerKind::node && sample(channel, *moment.close) != value)
+    warnings.add(std::string("animated ") + part_name(target->kind) +
+                 " that change while the shutter is open stay as it opens");
+  target->set(value);
+}
+
+bool moves_materials(const std::vector<PointerChannel>& channels) {
+  return std::ranges::any_of(channels, [](const PointerChannel& c) { return c.pointer.starts_with("/materials/"); });
+}
+
+void apply_node(Document& document, Warnings& warnings, const tinygltf::Animation& animation,
+                const tinygltf::AnimationChannel& source, const std::string& what, double seconds) {
+  const auto index = static_cast<std::size_t>(source.target_node);
+  tinygltf::Node& node = document.model.nodes[index];
+  const std::string& path = source.target_path;
+  Values* target = path == "translation" ? &node.translation
+                   : path == "rotation"  ? &node.rotation
+                   : path == "scale"     ? &node.scale
+                   : path == "weights"   ? &node.weights
+                                         : nullptr;
+  const std::size_t width = path == "rotation" ? 4 : path == "weights" ? target_count(document, node) : 3;
+  if (!target || width == 0) {
+    warnings.add(kMovesNothing);
+    return;
+  }
+  if (target != &node.weights && !node.matrix.empty() && !document.told_matrices.contains(index))
+    document.fail(what + " moves a node that has a matrix");
+  *target = sample(open_channel(document, animation, source.sampler, what, width, path == "rotation"), seconds);
 }
 
 } // namespace
 
-void pose(Document& document, Warnings& warnings, const std::string& request, double seconds) {
-  std::vector<std::string> names;
-  for (const auto& animation : document.model.animations) names.push_back(animation.name);
-  const std::size_t chosen = choose(document, "animation", names, request);
+bool animates_materials(const Document& document, const std::string& request) {
+  return !request.empty() && moves_materials(document.pointer_channels[choose_animation(document, request)]);
+}
+
+void pose(Document& document, Warnings& warnings, const std::string& request, double seconds, Shutter shutter) {
+  const std::size_t chosen = choose_animation(document, request);
   const tinygltf::Animation& animation = document.model.animations[chosen];
+  const auto name_of = [&](std::size_t channel) {
+    return "channel " + std::to_string(channel) + " of animation " + std::to_string(chosen);
+  };
   // Extensions may say what else these move.
   if (const std::size_t count = document.nodeless_channels[chosen]) warnings.add(kMovesNothing, count);
-  for (std::size_t i = 0; i < animation.channels.size(); ++i) {
-    const auto& channel = animation.channels[i];
-    const std::string what = "channel " + std::to_string(i) + " of animation " + std::to_string(chosen);
-    if (static_cast<std::size_t>(channel.sampler) >= animation.samplers.size()) document.fail(what + " has no sampler");
-    tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(channel.target_node)];
-    const std::string& path = channel.target_path;
-    Values* target = path == "translation" ? &node.translation
-                     : path == "rotation"  ? &node.rotation
-                     : path == "scale"     ? &node.scale
-                     : path == "weights"   ? &node.weights
-                                           : nullptr;
-    const std::size_t width = path == "rotation" ? 4 : path == "weights" ? target_count(document, node) : 3;
-    if (!target || width == 0) {
-      warnings.add(kMovesNothing);
-      continue;
-    }
-    if (target != &node.weights && !node.matrix.empty()) document.fail(what + " moves a node that has a matrix");
-    const Track track =
-        open_track(document, animation.samplers[static_cast<std::size_t>(channel.sampler)], what, width);
-    *target = sample(track, seconds, path == "rotation");
-  }
+  for (std::size_t i = 0; i < animation.channels.size(); ++i)
+    apply_node(document, warnings, animation, animation.channels[i], name_of(i), seconds);
+  const std::vector<PointerChannel>& pointers = document.pointer_channels[chosen];
+  if (pointers.empty()) return;
+  const bool others = !shutter.is_closing && moves_materials(pointers);
+  json materials = others ? *document.file_materials : *document.materials;
+  for (const PointerChannel& channel : pointers)
+    apply_pointer(document, warnings, animation, channel, name_of(channel.channel),
+                  {seconds, shutter.close, shutter.is_closing, &materials});
+  if (others) document.materials = std::make_shared<const json>(std::move(materials));
 }
 
 } // namespace wavepath::gltf

@@ -43,6 +43,13 @@ std::vector<Rule> data_rules() {
       {"extensionsRequired[]", Kind::string},
       {"buffers[].byteLength", Kind::size, kRequired},
       {"buffers[].uri", Kind::string},
+      {"buffers[].chunk", Kind::small},
+      {"files[].uri", Kind::string},
+      {"files[].mimeType", Kind::string, kRequired},
+      {"files[].bufferView", Kind::index, false, "bufferViews"},
+      {"files[].aliases[].alias", Kind::string, kRequired},
+      {"files[].aliases[].file", Kind::index, kRequired, "files"},
+      {"externalAssets[].file", Kind::index, kRequired, "files"},
       {"bufferViews[].buffer", Kind::index, kRequired, "buffers"},
       {"bufferViews[].byteOffset", Kind::size},
       {"bufferViews[].byteLength", Kind::size, kRequired},
@@ -85,6 +92,7 @@ std::vector<Rule> node_rules() {
       {"nodes[].mesh", Kind::index, false, "meshes"},
       {"nodes[].skin", Kind::index, false, "skins"},
       {"nodes[].camera", Kind::index, false, "cameras"},
+      {"nodes[].externalAsset", Kind::index, false, "externalAssets"},
       {"nodes[].matrix", Kind::numbers, false, {}, 16},
       {"nodes[].translation", Kind::numbers, false, {}, 3},
       {"nodes[].rotation", Kind::numbers, false, {}, 4},
@@ -102,6 +110,7 @@ std::vector<Rule> node_rules() {
       {"animations[].channels[].target", Kind::object, kRequired},
       {"animations[].channels[].target.node", Kind::index, false, "nodes"},
       {"animations[].channels[].target.path", Kind::string, kRequired},
+      {"animations[].channels[].target.extensions.KHR_animation_pointer.pointer", Kind::string, kRequired},
       {"animations[].samplers", Kind::list, kRequired},
       {"animations[].samplers[].input", Kind::index, kRequired, "accessors"},
       {"animations[].samplers[].output", Kind::index, kRequired, "accessors"},
@@ -138,21 +147,30 @@ std::vector<Rule> texture_rules() {
   };
 }
 
-std::vector<Rule> extension_rules() {
-  const std::string meshopt = "bufferViews[].extensions.EXT_meshopt_compression";
+std::vector<Rule> compression_rules() {
+  std::vector<Rule> rules;
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    const std::string meshopt = std::string("bufferViews[].extensions.") + name;
+    rules.insert(rules.end(), {{meshopt + ".buffer", Kind::index, kRequired, "buffers"},
+                               {meshopt + ".byteOffset", Kind::size},
+                               {meshopt + ".byteLength", Kind::size, kRequired},
+                               {meshopt + ".byteStride", Kind::small, kRequired},
+                               {meshopt + ".count", Kind::small, kRequired},
+                               {meshopt + ".mode", Kind::string, kRequired},
+                               {meshopt + ".filter", Kind::string}});
+  }
   const std::string draco = "meshes[].primitives[].extensions.KHR_draco_mesh_compression";
+  rules.insert(rules.end(), {{draco + ".bufferView", Kind::index, kRequired, "bufferViews"},
+                             {draco + ".attributes", Kind::object, kRequired},
+                             {draco + ".attributes.*", Kind::small}});
+  return rules;
+}
+
+std::vector<Rule> light_rules() {
   const std::string light = "extensions.KHR_lights_punctual.lights[]";
+  const std::string profile = "extensions.EXT_lights_ies.lights", shown = "nodes[].extensions.EXT_lights_ies";
+  const std::string image = "extensions.EXT_lights_image_based.lights";
   return {
-      {meshopt + ".buffer", Kind::index, kRequired, "buffers"},
-      {meshopt + ".byteOffset", Kind::size},
-      {meshopt + ".byteLength", Kind::size, kRequired},
-      {meshopt + ".byteStride", Kind::small, kRequired},
-      {meshopt + ".count", Kind::small, kRequired},
-      {meshopt + ".mode", Kind::string, kRequired},
-      {meshopt + ".filter", Kind::string},
-      {draco + ".bufferView", Kind::index, kRequired, "bufferViews"},
-      {draco + ".attributes", Kind::object, kRequired},
-      {draco + ".attributes.*", Kind::small},
       {light + ".name", Kind::string},
       {light + ".type", Kind::string, kRequired},
       {light + ".color", Kind::numbers, false, {}, 3},
@@ -162,6 +180,35 @@ std::vector<Rule> extension_rules() {
       {light + ".spot.innerConeAngle", Kind::number},
       {light + ".spot.outerConeAngle", Kind::number},
       {"nodes[].extensions.KHR_lights_punctual.light", Kind::index, kRequired, "extensions.KHR_lights_punctual.lights"},
+      {profile, Kind::list, kRequired},
+      {profile + "[].uri", Kind::string},
+      {profile + "[].bufferView", Kind::index, false, "bufferViews"},
+      {profile + "[].name", Kind::string},
+      {shown + ".light", Kind::index, kRequired, "extensions.EXT_lights_ies.lights"},
+      {shown + ".multiplier", Kind::number},
+      {shown + ".color", Kind::numbers, false, {}, 3},
+      {image, Kind::list, kRequired},
+      {image + "[].name", Kind::string},
+      {image + "[].rotation", Kind::numbers, false, {}, 4},
+      {image + "[].intensity", Kind::number},
+      {image + "[].specularImages", Kind::list, kRequired},
+      {image + "[].specularImages[]", Kind::list},
+      {image + "[].specularImages[][]", Kind::index, false, "images"},
+      {"scenes[].extensions.EXT_lights_image_based.light", Kind::index, kRequired,
+       "extensions.EXT_lights_image_based.lights"},
+  };
+}
+
+std::vector<Rule> extension_rules() {
+  const std::string variants = "extensions.KHR_materials_variants.variants";
+  const std::string mappings = "meshes[].primitives[].extensions.KHR_materials_variants.mappings";
+  return {
+      {variants, Kind::list, kRequired},
+      {variants + "[].name", Kind::string, kRequired},
+      {mappings, Kind::list, kRequired},
+      {mappings + "[].material", Kind::index, kRequired, "materials"},
+      {mappings + "[].variants", Kind::list, kRequired},
+      {mappings + "[].variants[]", Kind::index, false, "extensions.KHR_materials_variants.variants"},
       {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes", Kind::object, kRequired},
       {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes.*", Kind::index, false, "accessors"},
       {"nodes[].extensions.KHR_node_visibility.visible", Kind::boolean},
@@ -330,7 +377,7 @@ private:
 void check_schema(const std::string& file, json& document) {
   Checker checker(file, document);
   for (const auto& rules : {data_rules(), mesh_rules(), node_rules(), camera_rules(), texture_rules(),
-                            extension_rules(), material_rules()}) {
+                            compression_rules(), light_rules(), extension_rules(), material_rules()}) {
     for (const Rule& rule : rules) checker.check(rule);
   }
 }

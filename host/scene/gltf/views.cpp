@@ -7,7 +7,7 @@ namespace wavepath::gltf {
 
 Bytes view_bytes(Document& document, std::size_t view) {
   const tinygltf::BufferView& source = document.model.bufferViews[view];
-  if (source.extensions.contains("EXT_meshopt_compression")) {
+  if (is_meshopt(source)) {
     if (document.decoded_views[view].empty()) document.decoded_views[view] = decode_meshopt(document, view);
     return document.decoded_views[view];
   }

@@ -79,7 +79,8 @@ gpu::Feature light_features(const PackedScene& packed) {
     if (light.kind == gpu::kLightTriangle)
       features |= gpu::kFeatureTriangleLights;
     else if (light.kind != gpu::kLightEnvironment)
-      features |= gpu::kFeaturePunctualLights | bit_if(light.pdf_area > 0.0f, gpu::kFeatureSoftLamps);
+      features |= gpu::kFeaturePunctualLights | bit_if(light.pdf_area > 0.0f, gpu::kFeatureSoftLamps) |
+                  bit_if(light.kind == gpu::kLightPoint && light.parts != 0, gpu::kFeatureLightProfiles);
   }
   features |=
       bit_if(glm::any(glm::greaterThan(packed.environment_radiance, glm::vec3(0.0f))), gpu::kFeatureEnvironment);
@@ -142,7 +143,8 @@ gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
          bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
          bit_if(sampled && count_emitters(scene, usage) + scene.lights.size() > kFewLights, gpu::kFeatureLightTree) |
-         bit_if(sampled && lights, gpu::kFeaturePunctualLights) | bit_if(lit, gpu::kFeatureEnvironment) |
+         bit_if(sampled && lights, gpu::kFeaturePunctualLights) |
+         bit_if(sampled && !scene.profiles.empty(), gpu::kFeatureLightProfiles) | bit_if(lit, gpu::kFeatureEnvironment) |
          bit_if(lit && !scene.environment.map.empty(), gpu::kFeatureEnvironmentMap);
 }
 

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -160,9 +162,55 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
   return 2.0 * pi * (std::pow(top - outer, 3.0) * scale * scale / 3.0 + (1.0 - top));
 }
 
+// Integral over the sphere of what kernels read of a profile, which goes linearly from angle to angle.
+double profile_integral(const LightProfile& profile) {
+  const std::size_t rows = profile.vertical.size();
+  std::vector<double> meridians; // integrals of intensity times sine
+  for (std::size_t c = 0; c < profile.horizontal.size(); ++c) {
+    double sum = 0.0;
+    for (std::size_t r = 0; r + 1 < rows; ++r) {
+      const double a = profile.vertical[r], b = profile.vertical[r + 1];
+      const double p = profile.intensities[c * rows + r], q = profile.intensities[c * rows + r + 1];
+      sum += p * (std::cos(a) - std::cos(b)) +
+             (q - p) * ((std::sin(b) - std::sin(a)) / (b - a) - std::cos(b));
+    }
+    meridians.push_back(sum);
+  }
+  if (meridians.size() == 1) return 2.0 * pi * meridians[0];
+  double sum = 0.0;
+  for (std::size_t c = 0; c + 1 < meridians.size(); ++c) {
+    const double a = profile.horizontal[c], b = profile.horizontal[c + 1];
+    const double begin = std::max(a, 0.0), end = std::min(b, 2.0 * pi), middle = (0.5 * (begin + end) - a) / (b - a);
+    sum += (end - begin) * (meridians[c] + middle * (meridians[c + 1] - meridians[c]));
+  }
+  return sum;
+}
+
+std::uint32_t word(float value) { return std::bit_cast<std::uint32_t>(value); }
+
+// Table of a profile among the words behind the lights; returns its first word. See kernels/base/scene_types.h.
+std::uint32_t add_table(const LightProfile& profile, std::vector<std::uint32_t>& words) {
+  const auto first = static_cast<std::uint32_t>(words.size());
+  words.push_back(static_cast<std::uint32_t>(profile.vertical.size()));
+  words.push_back(static_cast<std::uint32_t>(profile.horizontal.size()));
+  for (const auto* values : {&profile.vertical, &profile.horizontal, &profile.intensities})
+    for (const float value : *values) words.push_back(word(value));
+  return first;
+}
+
+// What a light says of its profile; returns Light::parts.
+std::uint32_t add_profile(const PunctualLight& source, std::uint32_t table, std::vector<std::uint32_t>& words) {
+  const auto first = static_cast<std::uint32_t>(words.size());
+  for (const glm::dvec3& v : {source.direction, source.tangent})
+    for (int i = 0; i < 3; ++i) words.push_back(word(static_cast<float>(v[i])));
+  words.push_back(table);
+  return first + 1;
+}
+
 // The `range` of KHR_lights_punctual dims light by distance, of which the powers here take no account: they decide the
 // noise.
 void add_punctual(const Scene& scene, bool directional, double radius, PackedScene& packed, LightList& list) {
+  std::map<std::uint32_t, std::uint32_t> tables; // by profile
   for (std::uint32_t index = 0; index < scene.lights.size(); ++index) {
     const PunctualLight& source = scene.lights[index];
     if ((source.kind == LightKind::directional) != directional) continue;
@@ -176,7 +224,14 @@ void add_punctual(const Scene& scene, bool directional, double radius, PackedSce
     switch (source.kind) {
       case LightKind::point:
         light.kind = gpu::kLightPoint;
-        power *= 4.0 * pi;
+        if (source.profile == kNoIndex) {
+          power *= 4.0 * pi;
+          break;
+        }
+        if (const auto [table, is_new] = tables.emplace(source.profile, 0); is_new)
+          table->second = add_table(scene.profiles[source.profile], packed.light_parts);
+        light.parts = add_profile(source, tables.at(source.profile), packed.light_parts);
+        power *= profile_integral(scene.profiles[source.profile]);
         break;
       case LightKind::spot:
         light.kind = gpu::kLightSpot;
@@ -215,6 +270,7 @@ std::vector<double> weigh(const LightList& list) {
 }
 
 LightBounds lamp_bounds(const gpu::Light& light, double power) {
+  // That of a profile shines as brightly as its mean in all directions, for who picks lights.
   if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * pi));
   const double outer = std::acos(std::clamp(-double{light.spot_offset} / light.spot_scale, -1.0, 1.0));
   return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);

@@ -62,6 +62,18 @@ SessionUpdate ViewedScene::set_environment(const EnvironmentRequest& environment
   }
 }
 
+SessionUpdate ViewedScene::set_variant(const std::string& name) {
+  const std::string before = session_.scene_request().load.variant;
+  session_.set_variant(name);
+  try {
+    return session_.update();
+  } catch (const Error&) {
+    session_.set_variant(before);
+    session_.update();
+    throw;
+  }
+}
+
 void ViewedScene::rest() {
   render_.rest();
   if (comparison_) comparison_->rest();

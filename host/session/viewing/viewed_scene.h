@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "host/render/progressive/progressive.h"
 #include "host/render/progressive/shadow_comparison.h"
@@ -36,6 +37,7 @@ public:
   SessionUpdate move(const ViewRequest& camera); // coarse until rest()
   SessionUpdate set_settings(const RenderPlan& settings, const ViewRequest& camera);
   SessionUpdate set_environment(const EnvironmentRequest& environment);
+  SessionUpdate set_variant(const std::string& name);
   void rest();
 
   // Begins a comparison with the shadow technique `against`, in place of another one. Throws Error; then there is none.
