@@ -478,6 +478,54 @@ TEST(Info, TellsWhatLightsTheSceneByRule) {
   expect_error({"info", kBox, "--env", "studoi"}, 2, "nor studio, sky, black or white");
 }
 
+// A file with variants of materials and with an image-based light.
+std::string variants_file(const TemporaryFolder& folder) {
+  constexpr const char* kPixel =
+      "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mNwaDgAAAKEAYEYanSHAAAAAElFTkSuQmCC";
+  const std::string box = scene_file("furnace_lambert.gltf");
+  auto root = nlohmann::json::parse(std::ifstream(box));
+  root.erase("cameras");
+  for (auto& node : root["nodes"]) node.erase("camera");
+  root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}, {{"name", "dark blue"}}};
+  auto& images = root["images"] = nlohmann::json::array();
+  nlohmann::json level = nlohmann::json::array();
+  for (int face = 0; face < 6; ++face) images.push_back({{"uri", kPixel}}), level.push_back(face);
+  root["extensions"]["EXT_lights_image_based"]["lights"] = {{{"specularImages", {level}}}};
+  root["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 0;
+  std::ofstream(folder.file("variants.gltf")) << root;
+  return folder.file("variants.gltf");
+}
+
+TEST(Info, TellsVariantsAndRefusesUnknownOnes) {
+  const TemporaryFolder folder;
+  const std::string file = variants_file(folder);
+  const auto about = nlohmann::json::parse(run_wavepath({"info", file, "--json", "--variant", "red"}).out);
+  EXPECT_EQ(about["variants"], (std::vector<std::string>{"red", "dark blue"}));
+  EXPECT_NE(run_wavepath({"info", file}).out.find("variants    red, dark blue\n"), std::string::npos);
+  for (const char* command : {"info", "render", "study", "view", "serve"}) {
+    const Outcome outcome = run_wavepath({command, file, "--variant", "blue"});
+    EXPECT_NE(outcome.exit_code, 0) << command;
+    EXPECT_NE(outcome.err.find("has no variant 'blue'; choose one of 'red', 'dark blue'"), std::string::npos)
+        << command << ": " << outcome.err;
+  }
+  expect_error({"info", kBox, "--variant", "red"}, 1, "has no variant 'red'; leave the option out: it has no variants");
+}
+
+TEST(Info, TellsTheImageBasedLightOfAFile) {
+  const TemporaryFolder folder;
+  const std::string file = variants_file(folder);
+  const auto lights = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"info", file, "--json"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return nlohmann::json::parse(run_wavepath(arguments).out)["lights"];
+  };
+  EXPECT_EQ(lights({})["by_rule"], "as authored, by the image-based light of the file (--env replaces it)");
+  EXPECT_TRUE(lights({})["environment"]);
+  EXPECT_FALSE(lights({"--env-intensity", "0"})["environment"]);
+  EXPECT_FALSE(lights({"--env", "black"})["environment"]);
+  EXPECT_EQ(lights({"--env", "white"})["by_rule"], "");
+}
+
 class CompareTest : public ::testing::Test {
 protected:
   void SetUp() override {

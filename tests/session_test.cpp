@@ -22,7 +22,7 @@
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/session/resolve.h"
 #include "host/session/session.h"
-#include "tests/gltf_builder.h"
+#include "tests/gltf_checks.h"
 #include "tests/moving_lamps.h"
 #include "tests/vulkan_device.h"
 
@@ -666,6 +666,92 @@ TEST_F(SessionTest, ManyRendersTakeNoMoreMemory) {
   }
   EXPECT_LT(resident_mib() - before, 1.0);
   RecordProperty("mib", fmt::format("{:.2f}", resident_mib() - before));
+}
+
+// A floor whose material has a variant of another colour, one of another texture, and an animation of its factors.
+std::string write_shop(const TempFolder& folder) {
+  GltfBuilder b;
+  const int positions = b.floats("VEC3", {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1});
+  const int uvs = b.floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1});
+  const int indices = b.accessor("SCALAR", kUshort, std::vector<std::uint16_t>{0, 1, 2, 0, 2, 3});
+  b.add("images", {{"bufferView", b.view(std::string(kPng, sizeof(kPng) - 1))}});
+  b.add("textures", {{"source", 0}});
+  b.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.8, 0.4, 0.2, 1}}}}});
+  b.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.8, 0.2, 1}}}}});
+  b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  const nlohmann::json mappings = {{{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {1}}}};
+  b.mesh_node({{"POSITION", positions}, {"TEXCOORD_0", uvs}},
+              {{"indices", indices},
+               {"material", 0},
+               {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}}});
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "green"}}, {{"name", "picture"}}};
+  const nlohmann::json pointer = {{"pointer", "/materials/0/pbrMetallicRoughness/baseColorFactor"}};
+  b.add("animations", {{"samplers",
+                        {{{"input", b.floats("SCALAR", {0, 1})},
+                          {"output", b.floats("VEC4", {0.8f, 0.4f, 0.2f, 1, 0.2f, 0.4f, 0.8f, 1})}}}},
+                       {"channels",
+                        {{{"sampler", 0},
+                          {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}}});
+  return folder.write("shop.glb", b.glb()).string();
+}
+
+TEST_F(SessionTest, VariantsOfMaterials) {
+  const std::string path = write_shop(folder_);
+  const auto wanted = [&](SessionUse use, const char* variant) {
+    SessionRequest r = request({}, use);
+    r.scene.path = path;
+    r.scene.load.variant = variant;
+    return r;
+  };
+  const auto shown = [&](const char* variant) {
+    const SessionRequest r = wanted(SessionUse::one_picture, variant);
+    Session session(r);
+    return bits(session, r.render);
+  };
+  const std::vector<float> none = shown(""), green = shown("green"), picture = shown("picture");
+  EXPECT_NE(none, green);
+  EXPECT_NE(none, picture);
+  for (const SessionUse use : {SessionUse::light, SessionUse::poses, SessionUse::edits}) {
+    const SessionRequest r = wanted(use, "");
+    Session session(r);
+    EXPECT_EQ(bits(session, r.render), none);
+    session.set_variant("picture");
+    EXPECT_EQ(bits(session, r.render), picture) << "its texture is read then, if it was not before";
+    session.set_variant("green");
+    EXPECT_EQ(bits(session, r.render), green);
+    const SessionPicture told = session.render(r.render);
+    EXPECT_NE(told.repeat.find("--variant green"), std::string::npos) << told.repeat;
+    session.set_variant("");
+    EXPECT_EQ(bits(session, r.render), none);
+    EXPECT_THROW(session.set_variant("red"), Error);
+    EXPECT_EQ(bits(session, r.render), none);
+  }
+  const SessionRequest r = wanted(SessionUse::one_picture, "");
+  Session session(r);
+  EXPECT_THROW(session.set_variant("green"), Error) << "nothing is kept for it";
+}
+
+TEST_F(SessionTest, MomentsOfAnimatedMaterials) {
+  const std::string path = write_shop(folder_);
+  const auto wanted = [&](SessionUse use, double at) {
+    SessionRequest r = request({}, use);
+    r.scene.path = path;
+    r.scene.load.animation = "0";
+    r.scene.load.at = at;
+    return r;
+  };
+  const SessionRequest r = wanted(SessionUse::poses, 0.0);
+  Session session(r);
+  std::vector<float> before = bits(session, r.render);
+  for (const double at : {0.5, 1.0, 0.25}) {
+    const SessionRequest other = wanted(SessionUse::one_picture, at);
+    Session alone(other);
+    session.set_moment(at);
+    const std::vector<float> now = bits(session, r.render);
+    EXPECT_EQ(now, bits(alone, other.render)) << at;
+    EXPECT_NE(now, before);
+    before = now;
+  }
 }
 
 } // namespace

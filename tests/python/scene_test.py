@@ -1,5 +1,6 @@
 """A scene that stays on its device: many pictures, cameras, edits, jobs."""
 
+import base64
 import json
 
 import numpy as np
@@ -356,3 +357,45 @@ def test_progress_ends_a_render(cornell):
     with pytest.raises(ZeroDivisionError):
         cornell.render(spp=60000, progress=fail)
     assert cornell.render(spp=60000, time=0.2, progress=True).stop == "time"
+
+
+def variants_file(folder):
+    """A floor that is grey, or red or green by variants."""
+    corners = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, 1], [1, 0, -1], [-1, 0, -1]], np.float32)
+    colors = [[0.5, 0.5, 0.5, 1], [0.8, 0.1, 0.1, 1], [0.1, 0.8, 0.1, 1]]
+    mappings = [{"material": 1, "variants": [0]}, {"material": 2, "variants": [1]}]
+    primitive = {"attributes": {"POSITION": 0}, "material": 0,
+                 "extensions": {"KHR_materials_variants": {"mappings": mappings}}}
+    document = {
+        "asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_variants"],
+        "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}, {"name": "green"}]}},
+        "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": color, "metallicFactor": 0}} for color in colors],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 6}],
+        "bufferViews": [{"buffer": 0, "byteLength": corners.nbytes}],
+        "buffers": [{"byteLength": corners.nbytes,
+                     "uri": "data:;base64," + base64.b64encode(corners.tobytes()).decode()}],
+    }
+    file = folder / "variants.gltf"
+    file.write_text(json.dumps(document))
+    return file
+
+
+def test_variants_of_materials(tmp_path):
+    file = variants_file(tmp_path)
+    flags = dict(env="white", size=(8, 8), spp=1, max_depth=1, eye=(0, 2, 0.1), look_at=(0, 0, 0))
+    scene = wavepath.Scene(file, **flags)
+    assert scene.variants == ["red", "green"] and scene.variant is None
+    pictures = {}
+    for name in (None, "red", "green", None, "green", "red"):
+        scene.variant = name
+        assert scene.variant == name
+        pictures.setdefault(name, image_of(scene))
+        assert same_bits(pictures[name], image_of(scene))
+        assert same_bits(pictures[name], wavepath.render(file, variant=name, **flags).image)
+    assert not np.array_equal(pictures["red"], pictures["green"])
+    assert same_bits(pictures["green"], image_of(wavepath.Scene(file, variant="green", **flags)))
+    with pytest.raises(wavepath.UsageError, match="'blue', which the file does not have.*red"):
+        scene.variant = "blue"
+    with pytest.raises(wavepath.Error, match="has no variant 'blue'; choose one of 'red', 'green'"):
+        wavepath.render(file, variant="blue", **flags)
