@@ -4,8 +4,8 @@
     git clone https://github.com/KhronosGroup/glTF-Sample-Assets
     benchmarks/sample_assets.py build/host/wavepath glTF-Sample-Assets -o docs/sample_assets.md
 
-Each file is read by `wavepath info` and rendered at 32x32 with one sample a pixel, with each of its animations at one
-moment, and with each of its variants. A copy of the assets may lack files (Git LFS, limits of size): such files count
+Each file is rendered at 32x32 with one sample a pixel, and read by `wavepath info` as it is, in the middle of a second
+of each of its animations, and with each of its variants. A copy of the assets may lack files (Git LFS, limits of size): such files count
 as incomplete, not as refused.
 """
 
@@ -32,8 +32,8 @@ benchmarks/sample_assets.py build/host/wavepath glTF-Sample-Assets -o docs/sampl
 ```
 
 The table is the output of that script, for {count} files of {assets} assets ({copy}). A file is rendered at 32x32 with
-one sample a pixel, as it is, with each animation and with each variant. The remark is the first warning, without those
-of skipped occlusion textures.
+one sample a pixel, and read at a moment of each animation and with each variant. The remark is the first warning,
+without that of skipped occlusion textures. An incomplete file lacks a file that the copy does not have.
 
 | result | files |
 | --- | --- |
@@ -100,20 +100,18 @@ def attempt(wavepath, file, seconds):
         return ("refused" if code == 1 else f"exit {code}"), without_path(last_line(err), file)
     about = json.loads(out)
     warnings = [w["text"] for w in about["warnings"] if not w["text"].startswith("occlusion texture")]
-    ways = [[]] + [["--variant", name] for name in about.get("variants", [])]
-    ways += [["--animation", str(i), "--at", "0.5"] for i in range(animations_of(file))]
+    variants = [["--variant", name] for name in about.get("variants", [])]
+    moments = [["--animation", str(i), "--at", "0.5"] for i in range(animations_of(file))]
     with tempfile.TemporaryDirectory() as folder:
-        for flags in ways:
-            code, _, err = run([wavepath, "render", str(file), "--size", "32x32", "--spp", "1", "--max-depth", "4", "-q",
-                                "-o", f"{folder}/out.exr", *flags], seconds)
+        render = ["render", str(file), "--size", "32x32", "--spp", "1", "--max-depth", "4", "-q", "-o", f"{folder}/a.exr"]
+        for command in (render, *(["info", str(file), *flags] for flags in (*variants, *moments))):
+            code, _, err = run([wavepath, *command], seconds)
             if code != 0:
                 what = "refused" if code == 1 else f"exit {code}"
-                return what, " ".join([*flags, without_path(last_line(err), file)])
-    more = []
-    if len(about.get("variants", [])) > 0:
-        more.append(f"{len(about['variants'])} variants")
-    if len(ways) - len(about.get("variants", [])) > 1:
-        more.append(f"{len(ways) - len(about.get('variants', [])) - 1} animations")
+                return what, " ".join([*(flag for flag in command[2:] if command[0] == "info"),
+                                       without_path(last_line(err), file)])
+    more = [f"{len(flags)} {what}{'s' if len(flags) > 1 else ''}"
+            for flags, what in ((variants, "variant"), (moments, "animation")) if flags]
     return "rendered", "; ".join([*more, *warnings[:1]])
 
 

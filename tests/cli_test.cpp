@@ -481,7 +481,8 @@ TEST(Info, TellsWhatLightsTheSceneByRule) {
 // A file with variants of materials and with an image-based light.
 std::string variants_file(const TemporaryFolder& folder) {
   constexpr const char* kPixel =
-      "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mNwaDgAAAKEAYEYanSHAAAAAElFTkSuQmCC";
+      "data:image/"
+      "png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mNwaDgAAAKEAYEYanSHAAAAAElFTkSuQmCC";
   const std::string box = scene_file("furnace_lambert.gltf");
   auto root = nlohmann::json::parse(std::ifstream(box));
   root.erase("cameras");

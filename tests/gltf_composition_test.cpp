@@ -66,8 +66,8 @@ TEST(GltfComposition, Version3BuffersNameTheirChunks) {
   root["buffers"] = {{{"byteLength", 4}, {"uri", "data:,abcd"}}, {{"byteLength", b.bytes.size()}, {"chunk", 1}}};
   for (json& view : root["bufferViews"]) view["buffer"] = 1;
   const TempFolder folder;
-  const std::vector<Chunk> chunks = {{kBin, "not this one"}, {kBin, b.bytes}, {"WHAT", "?", 7}, {"JSON", root.dump()},
-                                     {"JSON", "{}"}};
+  const std::vector<Chunk> chunks = {
+      {kBin, "not this one"}, {kBin, b.bytes}, {"WHAT", "?", 7}, {"JSON", root.dump()}, {"JSON", "{}"}};
   EXPECT_EQ(load_gltf(folder.write("a.glb", glb3(chunks))).meshes.at(0).positions[1], glm::vec3(1, 0, 0));
   root["buffers"][1]["chunk"] = 2;
   EXPECT_NE(load_error(glb3({chunks[0], chunks[1], chunks[2], {"JSON", root.dump()}})).find("no BIN chunk"),
@@ -209,10 +209,9 @@ TEST(GltfComposition, Aliases) {
     GltfBuilder b;
     const int view = b.view(other.bytes);
     if (target.contains("bufferView")) target["bufferView"] = view;
-    b.root["files"] = {{{"uri", "leaf.gltf"},
-                        {"mimeType", "model/gltf+json"},
-                        {"aliases", {{{"alias", "shape.bin"}, {"file", 1}}}}},
-                       target};
+    b.root["files"] = {
+        {{"uri", "leaf.gltf"}, {"mimeType", "model/gltf+json"}, {"aliases", {{{"alias", "shape.bin"}, {"file", 1}}}}},
+        target};
     b.root["externalAssets"] = {{{"file", 0}}};
     b.add("nodes", instance(0, 0.0));
     return load_gltf(folder.write("whole.gltf", b.json()));
@@ -229,7 +228,8 @@ TEST(GltfComposition, VariantsOfOneNameAreOne) {
   const TempFolder folder;
   const auto with_variants = [](GltfBuilder b, const std::vector<const char*>& names) {
     b.root["extensions"]["KHR_materials_variants"]["variants"] = json::array();
-    for (const char* name : names) b.root["extensions"]["KHR_materials_variants"]["variants"].push_back({{"name", name}});
+    for (const char* name : names)
+      b.root["extensions"]["KHR_materials_variants"]["variants"].push_back({{"name", name}});
     b.add("materials", {{"name", "chosen"}});
     const std::size_t last = names.size() - 1;
     b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {

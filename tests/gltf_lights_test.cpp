@@ -86,11 +86,11 @@ TEST(Ies, WhatSymmetryLeavesOutIsFilledIn) {
     return found;
   };
   using Columns = std::vector<std::pair<double, double>>;
-  EXPECT_EQ(columns({0, 30, 90}), (Columns{{0, 0}, {30, 30}, {90, 90}, {150, 30}, {180, 0}, {210, 30}, {270, 90}, {330, 30}, {360, 0}}));
+  EXPECT_EQ(columns({0, 30, 90}),
+            (Columns{{0, 0}, {30, 30}, {90, 90}, {150, 30}, {180, 0}, {210, 30}, {270, 90}, {330, 30}, {360, 0}}));
   EXPECT_EQ(columns({0, 60, 180}), (Columns{{0, 0}, {60, 60}, {180, 180}, {300, 60}, {360, 0}}));
   EXPECT_EQ(columns({90, 180, 270}), (Columns{{0, 180}, {90, 90}, {180, 180}, {270, 270}, {360, 180}}));
-  EXPECT_EQ(columns({90, 120, 270}),
-            (Columns{{-90, 270}, {60, 120}, {90, 90}, {120, 120}, {270, 270}, {420, 120}}));
+  EXPECT_EQ(columns({90, 120, 270}), (Columns{{-90, 270}, {60, 120}, {90, 90}, {120, 120}, {270, 270}, {420, 120}}));
   EXPECT_EQ(columns({0, 120, 240, 360}), (Columns{{0, 0}, {120, 120}, {240, 240}, {360, 360}}));
   EXPECT_EQ(columns({0, 120, 240}), (Columns{{0, 0}, {120, 120}, {240, 240}, {360, 0}}));
 }
@@ -100,7 +100,8 @@ TEST(Ies, WhatIsNotSoundIsRefused) {
   EXPECT_NE(Table{.vertical = {0, 45, 45}}.problem().find("do not ascend"), std::string::npos);
   EXPECT_NE(Table{.candela = {1, -2, 0}}.problem().find("below 0"), std::string::npos);
   EXPECT_NE(Table{.vertical = {-10, 45, 90}}.problem().find("type C cannot"), std::string::npos);
-  EXPECT_NE((Table{.horizontal = {10, 20}, .candela = {1, 1, 1, 1, 1, 1}}).problem().find("from 10"), std::string::npos);
+  EXPECT_NE((Table{.horizontal = {10, 20}, .candela = {1, 1, 1, 1, 1, 1}}).problem().find("from 10"),
+            std::string::npos);
   EXPECT_THROW(read_ies("file", "profile", "hello"), Error);
   EXPECT_THROW(read_ies("file", "profile", ""), Error);
   EXPECT_THROW(read_ies("file", "profile", "IES:LM-63-2019\nTILT=NONE\n1 1 1 1e9 1e9 1 1 0 0 0 1 1 1"), Error);
@@ -198,8 +199,10 @@ GltfBuilder with_cube() {
     const std::vector<std::uint8_t> png = encode_png(image);
     level.push_back(b.add("images", {{"bufferView", b.view(std::string(png.begin(), png.end()))}}));
   }
-  b.root["extensions"]["EXT_lights_image_based"]["lights"] = {
-      {{"intensity", 2}, {"specularImages", {level}}, {"specularImageSize", 2}, {"irradianceCoefficients", json::array()}}};
+  b.root["extensions"]["EXT_lights_image_based"]["lights"] = {{{"intensity", 2},
+                                                               {"specularImages", {level}},
+                                                               {"specularImageSize", 2},
+                                                               {"irradianceCoefficients", json::array()}}};
   b.root["scenes"] = {{{"nodes", {0}}, {"extensions", {{"EXT_lights_image_based", {{"light", 0}}}}}}};
   b.root["extensionsUsed"] = {"EXT_lights_image_based"};
   return b;
@@ -207,7 +210,8 @@ GltfBuilder with_cube() {
 
 glm::vec3 seen(const Environment& environment, const glm::dvec3& direction) {
   const glm::dvec2 uv = environment_uv(direction, environment.rotation);
-  const auto x = static_cast<std::size_t>(uv.x * environment.width), y = static_cast<std::size_t>(uv.y * environment.height);
+  const auto x = static_cast<std::size_t>(uv.x * environment.width),
+             y = static_cast<std::size_t>(uv.y * environment.height);
   return environment.radiance * environment.map.at(y * environment.width + x);
 }
 

@@ -28,19 +28,19 @@ GltfBuilder stage() {
   b.add("images", {{"bufferView", b.view(std::string(test::kPng, sizeof(test::kPng) - 1))}});
   b.add("textures", {{"source", 0}});
   b.primitive()["material"] =
-      b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
-                          {"extensions",
-                           {{"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 2}}},
-                            {"KHR_materials_transmission",
-                             {{"transmissionFactor", 0}, {"transmissionTexture", {{"index", 0}}}}},
-                            {"KHR_materials_emissive_strength", {{"emissiveStrength", 2}}}}}});
+      b.add("materials",
+            {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+             {"extensions",
+              {{"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 2}}},
+               {"KHR_materials_transmission", {{"transmissionFactor", 0}, {"transmissionTexture", {{"index", 0}}}}},
+               {"KHR_materials_emissive_strength", {{"emissiveStrength", 2}}}}}});
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "point"}}, {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}}};
   for (int light = 0; light < 2; ++light)
     b.add("nodes", {{"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
   b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
-  b.add("cameras", {{"type", "orthographic"},
-                    {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}});
+  b.add("cameras",
+        {{"type", "orthographic"}, {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 9}}}});
   for (int camera = 0; camera < 2; ++camera) b.add("nodes", {{"camera", camera}});
   b.add("nodes", {{"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}}); // node 5
   b.add("animations", {{"samplers", json::array()}, {"channels", json::array()}});
@@ -59,8 +59,9 @@ void animate(GltfBuilder& b, const std::string& pointer, const std::string& type
   const int output = accessor >= 0 ? accessor : b.floats(type, values);
   animation["samplers"].push_back(
       {{"input", b.floats("SCALAR", times)}, {"output", output}, {"interpolation", interpolation}});
-  animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
-                                   {"target", {{"path", "pointer"}, {"extensions", {{kPointer, {{"pointer", pointer}}}}}}}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size() - 1},
+       {"target", {{"path", "pointer"}, {"extensions", {{kPointer, {{"pointer", pointer}}}}}}}});
 }
 
 Scene at(const GltfBuilder& b, double seconds) { return load(b, {.animation = "0", .at = seconds}); }
@@ -231,12 +232,12 @@ GltfBuilder shoe() {
   b.primitive()["attributes"]["TEXCOORD_0"] = b.floats("VEC2", {0, 0, 1, 0, 0, 1});
   b.add("images", {{"bufferView", b.view(std::string(test::kPng, sizeof(test::kPng) - 1))}});
   b.add("textures", {{"source", 0}});
-  for (const char* name : {"grey", "red", "brown"})
-    b.add("materials", {{"name", name}});
+  for (const char* name : {"grey", "red", "brown"}) b.add("materials", {{"name", name}});
   b.root["materials"][1]["pbrMetallicRoughness"] = {{"baseColorTexture", {{"index", 0}}}};
   b.primitive()["material"] = 0;
   b.root["extensionsUsed"] = {"KHR_materials_variants"};
-  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "Red"}}, {{"name", "Brown"}}, {{"name", "Plain"}}};
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "Red"}}, {{"name", "Brown"}}, {{"name", "Plain"}}};
   b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
                                                                        {{"material", 2}, {"variants", {1}}}};
   return b;

@@ -92,12 +92,11 @@ TEST(GltfPose, ShutterTellsOfWhatItDoesNotMove) {
 TEST(GltfPose, ChannelsThatMoveNothingKnownAreTold) {
   GltfBuilder b = GltfBuilder::triangle();
   const int times = b.floats("SCALAR", {0, 1}), values = b.floats("VEC3", {0, 0, 0, 1, 0, 0});
-  b.add(
-      "animations",
-      {{"samplers", {{{"input", times}, {"output", values}}}},
-       {"channels",
-        {{{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"ACME_moves", {{"what", 0}}}}}}}},
-         {{"sampler", 0}, {"target", {{"path", "shape"}, {"node", 0}}}}}}});
+  b.add("animations",
+        {{"samplers", {{{"input", times}, {"output", values}}}},
+         {"channels",
+          {{{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"ACME_moves", {{"what", 0}}}}}}}},
+           {{"sampler", 0}, {"target", {{"path", "shape"}, {"node", 0}}}}}}});
   EXPECT_EQ(test::warning_count(load(b, {"", "0", 1.0}), "channel that moves nothing known"), 2u);
   EXPECT_TRUE(load(b).warnings.empty());
   b.root["extensionsUsed"] = {"ACME_moves"};

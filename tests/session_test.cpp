@@ -680,18 +680,18 @@ std::string write_shop(const TempFolder& folder) {
   b.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.8, 0.2, 1}}}}});
   b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
   const nlohmann::json mappings = {{{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {1}}}};
-  b.mesh_node({{"POSITION", positions}, {"TEXCOORD_0", uvs}},
-              {{"indices", indices},
-               {"material", 0},
-               {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}}});
+  b.mesh_node(
+      {{"POSITION", positions}, {"TEXCOORD_0", uvs}},
+      {{"indices", indices}, {"material", 0}, {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}}});
   b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "green"}}, {{"name", "picture"}}};
   const nlohmann::json pointer = {{"pointer", "/materials/0/pbrMetallicRoughness/baseColorFactor"}};
-  b.add("animations", {{"samplers",
-                        {{{"input", b.floats("SCALAR", {0, 1})},
-                          {"output", b.floats("VEC4", {0.8f, 0.4f, 0.2f, 1, 0.2f, 0.4f, 0.8f, 1})}}}},
-                       {"channels",
-                        {{{"sampler", 0},
-                          {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}}});
+  b.add(
+      "animations",
+      {{"samplers",
+        {{{"input", b.floats("SCALAR", {0, 1})},
+          {"output", b.floats("VEC4", {0.8f, 0.4f, 0.2f, 1, 0.2f, 0.4f, 0.8f, 1})}}}},
+       {"channels",
+        {{{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}}});
   return folder.write("shop.glb", b.glb()).string();
 }
 

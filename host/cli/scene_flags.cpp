@@ -52,7 +52,8 @@ double extent(const FlagValue& value, double least, double most) {
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   const char* group = "Scene";
-  CLI::Option* scene = add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 or 2.1 file, .gltf or .glb"}, keep(request.path));
+  CLI::Option* scene =
+      add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 or 2.1 file, .gltf or .glb"}, keep(request.path));
   if (required) require(scene);
   add_flag(app, group, {"--scene", "NAME|INDEX", "scene of the file", "the file's default"}, keep(request.load.scene));
   add_flag(app, group,

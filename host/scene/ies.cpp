@@ -159,8 +159,8 @@ IesFile read_ies(const std::string& file, const std::string& what, std::string_v
   for (const Column& column : whole_turn(parser, horizontal)) {
     result.profile.horizontal.push_back(radians(column.degrees, 360.0));
     for (std::size_t row = 0; row < rows; ++row)
-      result.profile.intensities.push_back(
-          most > 0.0 ? static_cast<float>(candelas[column.index * rows + row] / most) : 0.0f);
+      result.profile.intensities.push_back(most > 0.0 ? static_cast<float>(candelas[column.index * rows + row] / most)
+                                                      : 0.0f);
   }
   return result;
 }

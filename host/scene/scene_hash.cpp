@@ -79,8 +79,8 @@ void add(Hash& hash, const Instance& instance) {
 }
 
 void add(Hash& hash, const PunctualLight& light) {
-  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent, node, profile, tangent] =
-      light;
+  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range, extent, node, profile,
+               tangent] = light;
   hash.add(kind);
   hash.add(intensity);
   hash.add(position);
@@ -120,8 +120,8 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
-  const auto& [path, files, images, materials, meshes, instances, node_names, node_parents, cameras, lights,
-               profiles, environment, first_catcher, end_catcher, extensions_used, variants, warnings] = scene;
+  const auto& [path, files, images, materials, meshes, instances, node_names, node_parents, cameras, lights, profiles,
+               environment, first_catcher, end_catcher, extensions_used, variants, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);

@@ -14,12 +14,12 @@ namespace wavepath {
 // A scene that is lit and can be framed.
 struct LoadedScene {
   Scene scene;
-  Framing framing;                // proposal for the camera if the scene has none; does not count the floor of --ground
-  std::string light;              // one line that says what lights the scene and why; empty if --env was given
-  bool room_lamp = false;         // true if the last light is the lamp that room_lamp() added
-  std::optional<glm::dvec2> sun;  // direction of the sun that was added, in degrees as SceneRequest::sun
+  Framing framing;               // proposal for the camera if the scene has none; does not count the floor of --ground
+  std::string light;             // one line that says what lights the scene and why; empty if --env was given
+  bool room_lamp = false;        // true if the last light is the lamp that room_lamp() added
+  std::optional<glm::dvec2> sun; // direction of the sun that was added, in degrees as SceneRequest::sun
   std::optional<Environment> own_environment; // of the file (EXT_lights_image_based)
-  std::shared_ptr<GltfFile> file; // stays open for pose_again(), if that was asked for
+  std::shared_ptr<GltfFile> file;             // stays open for pose_again(), if that was asked for
 };
 
 // Reads the scene, adds its environment, and adds the floor of --ground. `described`: called as load_gltf() does, with

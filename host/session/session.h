@@ -40,8 +40,8 @@ namespace wavepath {
 class Progressive; // host/render/progressive/progressive.h
 
 // What a session keeps for edits to come. one_picture: nothing; edits of the scene are refused. light: for another
-// environment or variant, and for settings that pack the scene otherwise. poses: also for set_moment() and all that changes
-// nothing else of the file's nodes and materials. edits: all.
+// environment or variant, and for settings that pack the scene otherwise. poses: also for set_moment() and all that
+// changes nothing else of the file's nodes and materials. edits: all.
 enum class SessionUse { one_picture, light, poses, edits };
 
 struct SessionRequest {

@@ -32,8 +32,8 @@ struct PanelFacts {
   double seconds_to_target = 0.0;
   std::vector<std::string> cameras;  // names
   std::vector<std::string> variants; // likewise
-  std::vector<std::string> notes;   // approximations in the picture
-  std::optional<ShadowScore> score; // score of the shadows shown against the other ones
+  std::vector<std::string> notes;    // approximations in the picture
+  std::optional<ShadowScore> score;  // score of the shadows shown against the other ones
 };
 
 // Requests of the user since the panel was last drawn.

@@ -220,8 +220,8 @@ struct Light {
   uint triangle_id; // kLightTriangle
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
-  // kLightTriangle, where its emission varies: depth << kPartDepthShift | its first word, see below. kLightPoint: 1 more
-  // than the first word of its profile; 0 = none.
+  // kLightTriangle, where its emission varies: depth << kPartDepthShift | its first word, see below. kLightPoint: 1
+  // more than the first word of its profile; 0 = none.
   uint parts;
   float inverse_range; // 1/metre: where a point or spot light has faded to nothing; 0 = nowhere
 };
@@ -232,7 +232,8 @@ GPU_CONSTANT uint kPartDepthShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
 
-// So do profiles of point lights (kFeatureLightProfiles): words of a light, then those of a table that several may have.
+// So do profiles of point lights (kFeatureLightProfiles): words of a light, then those of a table that several may
+// have.
 GPU_CONSTANT uint kProfileAxis = 0u;    // three floats: direction of vertical angle 0
 GPU_CONSTANT uint kProfileTangent = 3u; // of horizontal angle 0, beside it
 GPU_CONSTANT uint kProfileTable = 6u;   // first word of the table

@@ -31,8 +31,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
-                   gpu::kFeatureLightProfiles |
-                   gpu::kFeatureLightGroups | gpu::kFeatureCover));
+                   gpu::kFeatureLightProfiles | gpu::kFeatureLightGroups | gpu::kFeatureCover));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {

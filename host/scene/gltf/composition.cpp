@@ -1,6 +1,6 @@
 // Reads glTF files and merges external assets; see composition.h. What a 2.1 file says of other files is that of the
-// public draft (specification/2.1 of KhronosGroup/glTF): `files`, `externalAssets`, `externalAsset` of nodes, `aliases`,
-// `chunk` of buffers.
+// public draft (specification/2.1 of KhronosGroup/glTF): `files`, `externalAssets`, `externalAsset` of nodes,
+// `aliases`, `chunk` of buffers.
 #include "host/scene/gltf/composition.h"
 
 #include <algorithm>
@@ -119,11 +119,21 @@ std::size_t count(const json& root, std::string_view path) {
 std::string lights_path(const char* extension) { return std::string("extensions.") + extension + ".lights"; }
 
 Offsets offsets_in(const json& root) {
-  return {count(root, "buffers"),     count(root, "bufferViews"),       count(root, "accessors"),
-          count(root, "images"),      count(root, "samplers"),          count(root, "textures"),
-          count(root, "materials"),   count(root, "meshes"),            count(root, "skins"),
-          count(root, "cameras"),     count(root, "animations"),        count(root, "nodes"),
-          count(root, lights_path(kLights)), count(root, lights_path(kProfiles)), {}};
+  return {count(root, "buffers"),
+          count(root, "bufferViews"),
+          count(root, "accessors"),
+          count(root, "images"),
+          count(root, "samplers"),
+          count(root, "textures"),
+          count(root, "materials"),
+          count(root, "meshes"),
+          count(root, "skins"),
+          count(root, "cameras"),
+          count(root, "animations"),
+          count(root, "nodes"),
+          count(root, lights_path(kLights)),
+          count(root, lights_path(kProfiles)),
+          {}};
 }
 
 // "/nodes/3/..." with another number.
@@ -299,7 +309,8 @@ public:
 private:
   static std::filesystem::path canonical(const std::filesystem::path& path) {
     std::error_code error;
-    const std::filesystem::path whole = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    const std::filesystem::path whole =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
     return error ? path : whole;
   }
 
@@ -310,7 +321,8 @@ private:
     check_version(file, root["asset"]);
     check_required_extensions(file, root.value("extensionsRequired", std::vector<std::string>()));
     place_chunks(opened, container);
-    for (const char* list : {"buffers", "images", "files"}) each(root, list, [&](json& s) { place(s, opened, aliases); });
+    for (const char* list : {"buffers", "images", "files"})
+      each(root, list, [&](json& s) { place(s, opened, aliases); });
     each(root, lights_path(kProfiles), [&](json& profile) { place(profile, opened, {}); });
     return opened;
   }
@@ -369,7 +381,8 @@ private:
     else if (buffer.contains("uri"))
       bytes = uri_contents(opened, buffer["uri"]);
     if (offset > bytes.size() || length > bytes.size() - offset || view.contains("extensions"))
-      throw Error(opened.file, "an external asset lies in buffer view " + std::to_string(index) + ", which cannot be read",
+      throw Error(opened.file,
+                  "an external asset lies in buffer view " + std::to_string(index) + ", which cannot be read",
                   "put the asset into a file of its own");
     return {bytes.begin() + static_cast<std::ptrdiff_t>(offset),
             bytes.begin() + static_cast<std::ptrdiff_t>(offset + length)};
@@ -413,8 +426,9 @@ private:
   Opened load_asset(const Opened& opened, const json& file, std::vector<std::filesystem::path>& above,
                     std::size_t depth) {
     if (depth >= kMostDepth || ++asset_count_ > kMostAssets)
-      throw Error(document_.file, "has more than " + std::to_string(kMostAssets) + " external assets, or " +
-                                      std::to_string(kMostDepth) + " within each other",
+      throw Error(document_.file,
+                  "has more than " + std::to_string(kMostAssets) + " external assets, or " +
+                      std::to_string(kMostDepth) + " within each other",
                   "use fewer");
     const std::string type = file["mimeType"];
     if (type != "model/gltf-binary" && type != "model/gltf+json")
@@ -531,7 +545,8 @@ private:
         const json* node = find_property(channel, "target.node");
         const json* pointer = find_property(channel, "target.extensions.KHR_animation_pointer.pointer");
         // Those of further copies that were made before are not copied again.
-        const bool is_first = node ? node->get<std::size_t>() < first.nodes + node_count : first_nodes(pointer, first, node_count);
+        const bool is_first =
+            node ? node->get<std::size_t>() < first.nodes + node_count : first_nodes(pointer, first, node_count);
         if (!is_first) continue;
         json copy = channel;
         shift_channel(copy, by);

@@ -68,8 +68,7 @@ Container read_glb(const FileBytes& bytes) {
   const Layout layout = kLayouts[container.version - 2];
   const std::uint64_t size = bytes.size;
   if (size < layout.header) throw Error(bytes.file, "is too short to be glTF", "copy or download it again");
-  const std::uint64_t length =
-      container.version == 2 ? bytes.value<std::uint32_t>(8) : bytes.value<std::uint64_t>(8);
+  const std::uint64_t length = container.version == 2 ? bytes.value<std::uint32_t>(8) : bytes.value<std::uint64_t>(8);
   if (length > size) {
     throw Error(bytes.file,
                 "is cut short: " + std::to_string(size) + " of " + std::to_string(length) + " bytes are there",
@@ -88,7 +87,8 @@ Container read_glb(const FileBytes& bytes) {
       throw Error(bytes.file, "does not begin with a JSON chunk of reasonable size", kRepair);
     const bool is_buffer = holds_buffer(container.version, number, chunk);
     if (chunk.encoding != 0 && (is_json || is_buffer))
-      throw Error(bytes.file, what + " has encoding " + std::to_string(chunk.encoding) + ", which wavepath does not know",
+      throw Error(bytes.file,
+                  what + " has encoding " + std::to_string(chunk.encoding) + ", which wavepath does not know",
                   "export it without compressed or encrypted chunks");
     if (is_json) {
       has_json = true;

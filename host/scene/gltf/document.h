@@ -44,12 +44,12 @@ struct Document {
   tinygltf::Model model; // without buffers, images and materials; every index in it is in range
   std::shared_ptr<const nlohmann::json> materials;      // as posed
   std::shared_ptr<const nlohmann::json> file_materials; // as in the file
-  std::vector<Source> buffers, images, profiles; // profiles: of EXT_lights_ies
+  std::vector<Source> buffers, images, profiles;        // profiles: of EXT_lights_ies
   // For each animation, its channels that name no node, which are not in `model`: those with a pointer, and the number
   // of others.
   std::vector<std::vector<PointerChannel>> pointer_channels;
   std::vector<std::size_t> nodeless_channels;
-  bool keeps_textures = false; // also where a factor is zero: an animation may change it
+  bool keeps_textures = false;                      // also where a factor is zero: an animation may change it
   std::vector<std::string> variants;                // names of KHR_materials_variants
   std::vector<std::vector<std::uint8_t>> chunks;    // contents of .glb files
   std::vector<std::filesystem::path> assets;        // files that are instances in this one (external assets)

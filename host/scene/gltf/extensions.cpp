@@ -55,8 +55,9 @@ constexpr KnownExtension kKnown[] = {
     {"EXT_mesh_primitive_restart", "indices that begin a strip anew"},
     {"EXT_texture_astc", "textures of ASTC blocks"},
     {"KHR_accessor_float64", "numbers of 64 bits"},
-    {"KHR_gaussian_splatting", "splats of an image-based model, which emit nothing and reflect nothing: its points are "
-                               "ignored like others"},
+    {"KHR_gaussian_splatting",
+     "splats of an image-based model, which emit nothing and reflect nothing: its points are "
+     "ignored like others"},
     {"KHR_materials_retroreflection", "a draft"},
 };
 

@@ -388,7 +388,8 @@ bool reads_alike(const Material& a, const Material& b) {
   };
   const auto sets = [](const Material& m) {
     std::uint64_t bits = 0;
-    visit_textures(m, [&](const MaterialTexture&, const TextureSlot& s) { bits |= std::uint64_t{1} << (s.uv_set & 63); });
+    visit_textures(m,
+                   [&](const MaterialTexture&, const TextureSlot& s) { bits |= std::uint64_t{1} << (s.uv_set & 63); });
     return bits;
   };
   if (sets(a) != sets(b) || needs_tangents(a) != needs_tangents(b)) return false;

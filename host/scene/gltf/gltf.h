@@ -39,9 +39,9 @@ public:
 
   // As load_gltf().
   Scene load(const LoadOptions& options = {}, const SceneDescribed& described = {});
-  // The scene at another moment, or of another variant. `before`: what load() or pose() gave last, whose images, materials and meshes that
-  // keep their shape go over; what others added to its materials, meshes, instances and lights since does not. Without
-  // an environment. `options` are those of load() but for the moment.
+  // The scene at another moment, or of another variant. `before`: what load() or pose() gave last, whose images,
+  // materials and meshes that keep their shape go over; what others added to its materials, meshes, instances and
+  // lights since does not. Without an environment. `options` are those of load() but for the moment.
   Scene pose(const LoadOptions& options, Scene before);
   // Replaces what the file says of a node from the next pose() on: its matrix, as glTF has it, also where an animation
   // moves it; and whether it is visible. Empty: as the file has it. `node` must exist.

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <glm/gtc/quaternion.hpp>
 #include <tbb/parallel_for.h>
+#include <glm/gtc/quaternion.hpp>
 
 #include "host/base/memory.h"
 #include "host/codecs/srgb.h"
@@ -29,7 +29,8 @@ struct FacePlace {
 
 FacePlace face_of(const glm::dvec3& d) {
   const glm::dvec3 size = glm::abs(d);
-  if (size.x >= size.y && size.x >= size.z) return {d.x > 0.0 ? 0u : 1u, (d.x > 0.0 ? d.z : -d.z) / size.x, -d.y / size.x};
+  if (size.x >= size.y && size.x >= size.z)
+    return {d.x > 0.0 ? 0u : 1u, (d.x > 0.0 ? d.z : -d.z) / size.x, -d.y / size.x};
   if (size.y >= size.z) return {d.y > 0.0 ? 2u : 3u, -d.x / size.y, (d.y > 0.0 ? d.z : -d.z) / size.y};
   return {d.z > 0.0 ? 4u : 5u, (d.z > 0.0 ? -d.x : d.x) / size.z, -d.y / size.z};
 }
@@ -57,8 +58,8 @@ std::vector<glm::vec3> radiance_of(const Image& image) {
   };
   for (std::size_t i = 0; i < count; ++i) {
     const float divisor = std::max(value(4 * i + 3), 1.0f / 255.0f);
-    for (std::size_t c = 0; c < 3; ++c) radiance[i][static_cast<int>(c)] = 
-          static_cast<float>(linear_from_srgb(value(4 * i + c)) / divisor);
+    for (std::size_t c = 0; c < 3; ++c)
+      radiance[i][static_cast<int>(c)] = static_cast<float>(linear_from_srgb(value(4 * i + c)) / divisor);
   }
   return radiance;
 }
@@ -67,7 +68,8 @@ const tinygltf::Value* chosen_light(const Document& document, const std::string&
   const std::optional<std::size_t> scene = scene_index(document, request);
   if (!scene) return nullptr;
   const auto& extensions = document.model.scenes[*scene].extensions;
-  const auto found = extensions.find("EXT_lights_image_based"), all = document.model.extensions.find(found == extensions.end() ? "" : found->first);
+  const auto found = extensions.find("EXT_lights_image_based"),
+             all = document.model.extensions.find(found == extensions.end() ? "" : found->first);
   if (found == extensions.end() || all == document.model.extensions.end()) return nullptr;
   return &all->second.Get("lights").Get(static_cast<std::size_t>(found->second.Get("light").GetNumberAsInt()));
 }
@@ -108,7 +110,8 @@ Environment read_image_light(Document& document, const std::string& request) {
   const std::uint32_t size = decoded[0].width;
   Faces faces;
   for (const Image& image : decoded) {
-    if (image.width != size || image.height != size) document.fail(what + " has faces that are not squares of one size");
+    if (image.width != size || image.height != size)
+      document.fail(what + " has faces that are not squares of one size");
     faces.push_back(radiance_of(image));
   }
   glm::dquat rotation(1.0, 0.0, 0.0, 0.0);

@@ -8,8 +8,8 @@
 
 namespace wavepath::gltf {
 
-// The light of the scene that `request` names (as scene_nodes() has it): the largest level of its cube map, resampled to
-// a lat-long map. Without radiance if it has none. Throws Error.
+// The light of the scene that `request` names (as scene_nodes() has it): the largest level of its cube map, resampled
+// to a lat-long map. Without radiance if it has none. Throws Error.
 Environment read_image_light(Document& document, const std::string& request);
 
 // The same of six faces (+X, -X, +Y, -Y, +Z, -Z), each as it is seen from the middle of a right-handed space; squares

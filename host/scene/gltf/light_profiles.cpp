@@ -55,8 +55,7 @@ std::optional<PunctualLight> read_profile_light(Document& document, Scene& scene
     color[static_cast<int>(i)] = value.Get("color").Get(i).GetNumberAsDouble();
   if (multiplier < 0.0 || color != glm::clamp(color, 0.0, 1.0))
     scene.warnings.add("colour or multiplier of an IES lamp outside its range, clamped");
-  light.intensity =
-      glm::vec3(glm::clamp(color, 0.0, 1.0) * std::max(multiplier, 0.0) * found->second.candela);
+  light.intensity = glm::vec3(glm::clamp(color, 0.0, 1.0) * std::max(multiplier, 0.0) * found->second.candela);
   return light;
 }
 

@@ -54,11 +54,11 @@ std::string joined(std::span<const std::string> steps, char by) {
 
 // ---- nodes
 
-std::optional<PointerTarget> find_weight(Document& document, tinygltf::Node& node,
-                                         std::span<const std::string> steps) {
+std::optional<PointerTarget> find_weight(Document& document, tinygltf::Node& node, std::span<const std::string> steps) {
   const std::size_t count = target_count(document, node);
   if (count == 0) return {};
-  if (steps.size() == 1) return PointerTarget{PointerKind::node, count, false, false, [&node](const Numbers& v) { node.weights = v; }};
+  if (steps.size() == 1)
+    return PointerTarget{PointerKind::node, count, false, false, [&node](const Numbers& v) { node.weights = v; }};
   const auto index = steps.size() == 2 ? to_index(steps[1], count) : std::nullopt;
   if (!index) return {};
   const Numbers& others = document.model.meshes[static_cast<std::size_t>(node.mesh)].weights;
@@ -95,20 +95,21 @@ std::optional<PointerTarget> find_in_node(Document& document, std::size_t index,
 
 // Numbers of a value, by the path of the property in a material.
 std::map<std::string, std::size_t> material_numbers() {
-  std::map<std::string, std::size_t> numbers = {
-      {"extensions.KHR_materials_emissive_strength.emissiveStrength", 1},
-      {"extensions.KHR_materials_volume.thicknessFactor", 1},
-      {"extensions.KHR_materials_volume.attenuationDistance", 1},
-      {"extensions.KHR_materials_volume.attenuationColor", 3},
-      {"extensions.KHR_materials_volume_scatter.multiscatterColor", 3}};
+  std::map<std::string, std::size_t> numbers = {{"extensions.KHR_materials_emissive_strength.emissiveStrength", 1},
+                                                {"extensions.KHR_materials_volume.thicknessFactor", 1},
+                                                {"extensions.KHR_materials_volume.attenuationDistance", 1},
+                                                {"extensions.KHR_materials_volume.attenuationColor", 3},
+                                                {"extensions.KHR_materials_volume_scatter.multiscatterColor", 3}};
   const auto add = [&]<class T>(const MaterialFactor<T>& row) {
     if constexpr (std::is_same_v<T, float>)
       numbers[row.gltf] = 1;
     else
       numbers[row.gltf] = static_cast<std::size_t>(T::length());
   };
-  visit_material_fields(Overloaded{add, [](const auto&) {}, [&](const MaterialTexture& row) {
-                                     const std::string transform = std::string(row.gltf) + ".extensions.KHR_texture_transform.";
+  visit_material_fields(Overloaded{add, [](const auto&) {},
+                                   [&](const MaterialTexture& row) {
+                                     const std::string transform =
+                                         std::string(row.gltf) + ".extensions.KHR_texture_transform.";
                                      numbers[transform + "offset"] = numbers[transform + "scale"] = 2;
                                      numbers[transform + "rotation"] = 1;
                                    }});
@@ -160,16 +161,16 @@ std::optional<PointerTarget> find_in_light(tinygltf::Light& light, const std::st
   if (name == "color")
     return PointerTarget{PointerKind::light, 3, false, false, [&light](const Numbers& v) { light.color = v; }};
   const bool is_spot = light.type == "spot";
-  return number_target(PointerKind::light, name == "intensity"                         ? &light.intensity
-                                           : name == "range"                           ? &light.range
+  return number_target(PointerKind::light, name == "intensity"                        ? &light.intensity
+                                           : name == "range"                          ? &light.range
                                            : is_spot && name == "spot/innerConeAngle" ? &light.spot.innerConeAngle
                                            : is_spot && name == "spot/outerConeAngle" ? &light.spot.outerConeAngle
-                                                                                       : nullptr);
+                                                                                      : nullptr);
 }
 
 std::optional<PointerTarget> find_in_camera(tinygltf::Camera& camera, const std::string& name) {
-  auto &p = camera.perspective;
-  auto &o = camera.orthographic;
+  auto& p = camera.perspective;
+  auto& o = camera.orthographic;
   const std::map<std::string, double*> perspective = {{"perspective/yfov", &p.yfov},
                                                       {"perspective/aspectRatio", &p.aspectRatio},
                                                       {"perspective/znear", &p.znear},

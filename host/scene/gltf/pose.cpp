@@ -154,8 +154,7 @@ void apply_pointer(Document& document, Warnings& warnings, const tinygltf::Anima
     return;
   }
   if (target->kind == PointerKind::nothing || (moment.is_closing && target->kind != PointerKind::node)) return;
-  const Channel channel =
-      open_channel(document, animation, source.sampler, what, target->width, target->is_rotation);
+  const Channel channel = open_channel(document, animation, source.sampler, what, target->width, target->is_rotation);
   if (target->is_boolean && !channel.track.step) document.fail(what + " interpolates between true and false");
   const Values value = sample(channel, moment.seconds);
   if (moment.close && target->kind != PointerKind::node && sample(channel, *moment.close) != value)

@@ -144,7 +144,8 @@ gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
          bit_if(sampled && count_emitters(scene, usage) + scene.lights.size() > kFewLights, gpu::kFeatureLightTree) |
          bit_if(sampled && lights, gpu::kFeaturePunctualLights) |
-         bit_if(sampled && !scene.profiles.empty(), gpu::kFeatureLightProfiles) | bit_if(lit, gpu::kFeatureEnvironment) |
+         bit_if(sampled && !scene.profiles.empty(), gpu::kFeatureLightProfiles) |
+         bit_if(lit, gpu::kFeatureEnvironment) |
          bit_if(lit && !scene.environment.map.empty(), gpu::kFeatureEnvironmentMap);
 }
 

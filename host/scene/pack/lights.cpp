@@ -171,8 +171,7 @@ double profile_integral(const LightProfile& profile) {
     for (std::size_t r = 0; r + 1 < rows; ++r) {
       const double a = profile.vertical[r], b = profile.vertical[r + 1];
       const double p = profile.intensities[c * rows + r], q = profile.intensities[c * rows + r + 1];
-      sum += p * (std::cos(a) - std::cos(b)) +
-             (q - p) * ((std::sin(b) - std::sin(a)) / (b - a) - std::cos(b));
+      sum += p * (std::cos(a) - std::cos(b)) + (q - p) * ((std::sin(b) - std::sin(a)) / (b - a) - std::cos(b));
     }
     meridians.push_back(sum);
   }
