@@ -26,6 +26,7 @@ import material_study  # noqa: E402
 import old_new  # noqa: E402
 import peer_cycles  # noqa: E402
 import regret  # noqa: E402
+import sample_assets  # noqa: E402
 import scaling  # noqa: E402
 
 # relMSE = 0.2 / seconds: what independent samples give.
@@ -33,6 +34,25 @@ HALVING = [{"seconds": 2.0**i, "relmse": 0.2 / 2.0**i, "spp": 2**i} for i in ran
 
 
 class Benchmarks(unittest.TestCase):
+    def test_sample_assets_tells_what_a_copy_lacks(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "a.gltf"
+            document = {"buffers": [{"uri": "a%20b.bin"}, {"uri": "data:,x"}], "animations": [{}, {}]}
+            file.write_text(json.dumps(document))
+            self.assertEqual(sample_assets.missing_files(file), ["a%20b.bin"])
+            (file.parent / "a b.bin").write_bytes(b"version https://git-lfs.github.com/spec/v1\n")
+            self.assertEqual(sample_assets.missing_files(file), ["a%20b.bin"])
+            (file.parent / "a b.bin").write_bytes(b"x")
+            self.assertEqual(sample_assets.missing_files(file), [])
+            self.assertEqual(sample_assets.animations_of(file), 2)
+
+    def test_sample_assets_makes_a_page(self):
+        page = sample_assets.table([("A", "glTF/A.gltf", "rendered", "2 variants"), ("B", "B.glb", "refused", "a|b")],
+                                   "a copy")
+        self.assertIn("2 files of 2 assets (a copy)", page)
+        self.assertIn("| B | B.glb | refused | a\\|b |", page)
+        self.assertIn("| rendered | 1 |", page)
+
     def test_slope_of_independent_samples_is_minus_one(self):
         self.assertAlmostEqual(error_time.slope(HALVING), -1)
 

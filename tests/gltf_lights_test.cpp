@@ -96,10 +96,10 @@ TEST(Ies, WhatSymmetryLeavesOutIsFilledIn) {
 }
 
 TEST(Ies, WhatIsNotSoundIsRefused) {
-  EXPECT_NE(Table{.candela = {1, 2}}.problem().find("no candela value"), std::string::npos);
-  EXPECT_NE(Table{.vertical = {0, 45, 45}}.problem().find("do not ascend"), std::string::npos);
-  EXPECT_NE(Table{.candela = {1, -2, 0}}.problem().find("below 0"), std::string::npos);
-  EXPECT_NE(Table{.vertical = {-10, 45, 90}}.problem().find("type C cannot"), std::string::npos);
+  EXPECT_NE((Table{.candela = {1, 2}}).problem().find("no candela value"), std::string::npos);
+  EXPECT_NE((Table{.vertical = {0, 45, 45}}).problem().find("do not ascend"), std::string::npos);
+  EXPECT_NE((Table{.candela = {1, -2, 0}}).problem().find("below 0"), std::string::npos);
+  EXPECT_NE((Table{.vertical = {-10, 45, 90}}).problem().find("type C cannot"), std::string::npos);
   EXPECT_NE((Table{.horizontal = {10, 20}, .candela = {1, 1, 1, 1, 1, 1}}).problem().find("from 10"),
             std::string::npos);
   EXPECT_THROW(read_ies("file", "profile", "hello"), Error);

@@ -278,6 +278,10 @@ void unite(json& root, const json& asset, const char* name) {
     if (std::ranges::find(all, extension) == all.end()) all.push_back(extension);
 }
 
+bool is_relative(const std::string& uri) {
+  return !uri.starts_with('/') && uri.substr(0, uri.find_first_of("/?#")).find(':') == std::string::npos;
+}
+
 // What an alias of the file above stands for.
 struct Alias {
   std::string uri; // relative to the folder of the outermost file; empty: a view
@@ -365,7 +369,7 @@ private:
         source.erase("uri");
         source[kViewAbove] = alias->second.view;
       }
-    } else if (!opened.prefix.empty() && !is_data_uri(uri) && uri.find(':') > uri.find('/') && !uri.starts_with('/')) {
+    } else if (!opened.prefix.empty() && is_relative(uri)) {
       *member = opened.prefix + uri;
     }
   }
