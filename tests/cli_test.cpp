@@ -503,8 +503,10 @@ TEST(Info, TellsVariantsAndRefusesUnknownOnes) {
   const auto about = nlohmann::json::parse(run_wavepath({"info", file, "--json", "--variant", "red"}).out);
   EXPECT_EQ(about["variants"], (std::vector<std::string>{"red", "dark blue"}));
   EXPECT_NE(run_wavepath({"info", file}).out.find("variants    red, dark blue\n"), std::string::npos);
-  for (const char* command : {"info", "render", "study", "view", "serve"}) {
-    const Outcome outcome = run_wavepath({command, file, "--variant", "blue"});
+  for (const char* command : {"info", "render", "study", "serve"}) {
+    std::vector<std::string> arguments = {command, file, "--variant", "blue"};
+    if (std::string(command) == "study") arguments.insert(arguments.end(), {"-o", folder.file("study")});
+    const Outcome outcome = run_wavepath(arguments);
     EXPECT_NE(outcome.exit_code, 0) << command;
     EXPECT_NE(outcome.err.find("has no variant 'blue'; choose one of 'red', 'dark blue'"), std::string::npos)
         << command << ": " << outcome.err;
