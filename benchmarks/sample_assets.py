@@ -4,9 +4,9 @@
     git clone https://github.com/KhronosGroup/glTF-Sample-Assets
     benchmarks/sample_assets.py build/host/wavepath glTF-Sample-Assets -o docs/sample_assets.md
 
-Each file is rendered at 32x32 with one sample a pixel, and read by `wavepath info` as it is, in the middle of a second
-of each of its animations, and with each of its variants. A copy of the assets may lack files (Git LFS, limits of size): such files count
-as incomplete, not as refused.
+Each file is rendered at 32x32 with one sample a pixel, and read by `wavepath info` as it is, half a second into each of
+its animations, and with each of its variants. A copy of the assets may lack files (Git LFS, limits of size): what
+refers to them counts as incomplete, not as refused.
 """
 
 import argparse
@@ -103,7 +103,8 @@ def attempt(wavepath, file, seconds):
     variants = [["--variant", name] for name in about.get("variants", [])]
     moments = [["--animation", str(i), "--at", "0.5"] for i in range(animations_of(file))]
     with tempfile.TemporaryDirectory() as folder:
-        render = ["render", str(file), "--size", "32x32", "--spp", "1", "--max-depth", "4", "-q", "-o", f"{folder}/a.exr"]
+        small = ["--size", "32x32", "--spp", "1", "--max-depth", "4"]
+        render = ["render", str(file), *small, "-q", "-o", f"{folder}/a.exr"]
         for command in (render, *(["info", str(file), *flags] for flags in (*variants, *moments))):
             code, _, err = run([wavepath, *command], seconds)
             if code != 0:

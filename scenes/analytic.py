@@ -138,10 +138,10 @@ def ies(vertical, horizontal, candela, factors=(1.0, 1.0)):
 
 
 def luminaire():
-    """Aimed down and turned by 90 degrees, so that +X is at its horizontal angle of 90 degrees; seen from 30 degrees off
-    its axis, halfway between two vertical angles and at one third of the way between two horizontal ones."""
+    """Aimed down, and turned so that the receiver lies at its horizontal angle of 60 degrees; 30 degrees off its axis,
+    which is halfway between two vertical angles of the table."""
     g = receiver("luminaire with a measured profile")
-    turned = math.radians(-60.0)  # about the axis: +X of the node to the direction of the receiver, less 60 degrees
+    turned = math.radians(-60.0)
     h = 2.0
     aside = h * math.tan(math.radians(30.0))
     text = ies([0, 20, 40, 90], [0, 90], [[100, 80, 40, 0], [100, 50, 20, 0]], factors=(2.0, 0.5))

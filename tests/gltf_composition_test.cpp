@@ -1,4 +1,5 @@
 // glTF import: containers of version 3, and files that are instances in other files (draft of glTF 2.1).
+#include <algorithm>
 #include <functional>
 
 #include <gtest/gtest.h>
