@@ -31,9 +31,11 @@ been tried on a file that others have written. [extensions.md](extensions.md) ex
 benchmarks/sample_assets.py build/host/wavepath glTF-Sample-Assets -o docs/sample_assets.md
 ```
 
-The table is the output of that script, for {count} files of {assets} assets ({copy}). A file is rendered at 32x32 with
-one sample a pixel, and read at a moment of each animation and with each variant. The remark is the first warning,
-without that of skipped occlusion textures. An incomplete file lacks a file that the copy does not have.
+The table is the output of that script, for {count} files of {assets} assets
+({copy}).
+A file is rendered at 32x32 with one sample a pixel, and read at a moment of each animation and with each variant. The
+remark is the first warning, without that of skipped occlusion textures. An incomplete file lacks a file that the copy
+does not have.
 
 | result | files |
 | --- | --- |

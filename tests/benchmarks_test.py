@@ -49,7 +49,7 @@ class Benchmarks(unittest.TestCase):
     def test_sample_assets_makes_a_page(self):
         page = sample_assets.table([("A", "glTF/A.gltf", "rendered", "2 variants"), ("B", "B.glb", "refused", "a|b")],
                                    "a copy")
-        self.assertIn("2 files of 2 assets (a copy)", page)
+        self.assertIn("2 files of 2 assets\n(a copy)", page)
         self.assertIn("| B | B.glb | refused | a\\|b |", page)
         self.assertIn("| rendered | 1 |", page)
 

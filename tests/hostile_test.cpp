@@ -71,9 +71,9 @@ const Case kCases[] = {
     {"VersionNotANumber", "asset.version is '2' instead of MAJOR.MINOR", [](json& d) { d["asset"]["version"] = "2"; }},
     {"VersionWithThreeParts", "asset.version is '2.0.1'", [](json& d) { d["asset"]["version"] = "2.0.1"; }},
     {"VersionSigned", "asset.version is '2.-1'", [](json& d) { d["asset"]["version"] = "2.-1"; }},
-    {"VersionTooNew", "needs a reader of glTF 2.1",
+    {"VersionTooNew", "needs a reader of glTF 2.2",
      [](json& d) {
-       d["asset"] = {{"version", "2.1"}, {"minVersion", "2.1"}};
+       d["asset"] = {{"version", "2.2"}, {"minVersion", "2.2"}};
      }},
     {"VersionMuchTooNew", "needs a reader of glTF 3.0",
      [](json& d) {

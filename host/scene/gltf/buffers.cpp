@@ -3,7 +3,6 @@
 #include "host/base/memory.h"
 #include "host/base/read_file.h"
 #include "host/scene/gltf/uri.h"
-#include "host/scene/gltf/views.h"
 
 namespace wavepath::gltf {
 namespace {
@@ -13,8 +12,10 @@ void load_buffer(Document& document, std::size_t buffer) {
   auto& bytes = document.loaded_buffers[buffer];
   const std::string what = "buffer " + std::to_string(buffer);
   if (source.view >= 0) {
-    const Bytes view = view_bytes(document, static_cast<std::size_t>(source.view));
-    bytes.assign(view.begin(), view.end());
+    const tinygltf::BufferView& view = document.model.bufferViews[static_cast<std::size_t>(source.view)];
+    if (!view.extensions.empty()) document.fail(what + " lies in a compressed buffer view");
+    const Bytes lent = buffer_bytes(document, static_cast<std::size_t>(view.buffer), view.byteOffset, view.byteLength);
+    bytes.assign(lent.begin(), lent.end());
   } else if (source.uri.empty()) {
     if (source.chunk < 0) document.fail(what + " has no data");
     bytes = std::move(document.chunks[static_cast<std::size_t>(source.chunk)]);

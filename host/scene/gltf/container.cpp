@@ -104,7 +104,7 @@ Container read_glb(const FileBytes& bytes) {
     // Version 2 counts the padding among the chunk's bytes, version 3 may leave it behind them.
     if (container.version == 3) offset = (offset + layout.alignment - 1) / layout.alignment * layout.alignment;
   }
-  if (!has_json) throw Error(bytes.file, "holds no JSON chunk", kRepair);
+  if (!has_json && container.version == 3) throw Error(bytes.file, "holds no JSON chunk", kRepair);
   return container;
 }
 

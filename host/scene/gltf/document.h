@@ -62,7 +62,4 @@ struct Document {
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy = kRepair) const;
 };
 
-// Throws Error if the file is not sound glTF 2.x or requires an extension that wavepath does not have.
-Document open_document(const std::filesystem::path& path);
-
 } // namespace wavepath::gltf

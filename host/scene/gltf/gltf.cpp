@@ -23,6 +23,7 @@
 #include "host/scene/gltf/mesh.h"
 #include "host/scene/gltf/motion.h"
 #include "host/scene/gltf/nodes.h"
+#include "host/scene/gltf/open_document.h"
 #include "host/scene/gltf/pose.h"
 #include "host/scene/gltf/uri.h"
 #include "host/scene/gltf/variants.h"
