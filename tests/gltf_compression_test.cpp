@@ -259,5 +259,33 @@ TEST(GltfMeshopt, AttributesTrianglesAndIndices) {
   }
 }
 
+// KHR_meshopt_compression is the same but for a newer encoding and a filter, which are refused by name.
+TEST(GltfMeshopt, TheKhronosExtensionWhereItIsTheSame) {
+  GltfBuilder b;
+  const int view = meshopt_view(b, meshopt_attributes(kPositions, 4), 4, 12, "ATTRIBUTES");
+  json& extensions = b.root["bufferViews"][static_cast<unsigned>(view)]["extensions"];
+  extensions = {{"KHR_meshopt_compression", extensions["EXT_meshopt_compression"]}};
+  b.root["extensionsRequired"] = b.root["extensionsUsed"] = {"KHR_meshopt_compression"};
+  b.add("accessors", {{"componentType", 5126}, {"type", "VEC3"}, {"count", 4}, {"bufferView", view}});
+  b.mesh_node({{"POSITION", 0}}, {{"indices", b.accessor<std::uint16_t>("SCALAR", test::kUshort, {0, 1, 2})}});
+  const Scene scene = test::load(b);
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.meshes.at(0).positions.at(1), glm::vec3(kPositions[3], kPositions[4], kPositions[5]));
+  const auto problem = [&]() -> std::string {
+    try {
+      test::load(b);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  extensions["KHR_meshopt_compression"]["filter"] = "COLOR";
+  EXPECT_NE(problem().find("filter COLOR, which wavepath does not know"), std::string::npos) << problem();
+  extensions["KHR_meshopt_compression"]["filter"] = "NONE";
+  const std::size_t offset = b.root["bufferViews"][static_cast<unsigned>(view)]["byteOffset"];
+  b.bytes[offset] = static_cast<char>(0xa1);
+  EXPECT_NE(problem().find("version 1, of which wavepath knows version 0"), std::string::npos) << problem();
+}
+
 } // namespace
 } // namespace wavepath

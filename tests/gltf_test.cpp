@@ -287,5 +287,22 @@ TEST(Gltf, PunctualLights) {
   expect_near(scene.lights[2].direction, {0, -1, 0}, 1e-12);
 }
 
+// Extensions that change no picture are silent; drafts and others are named as what they are.
+TEST(Gltf, ExtensionsAreSilentOrNamed) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.root["extensionsUsed"] = {"KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability",
+                              "KHR_xmp_json_ld"};
+  b.root["extensionsRequired"] = b.root["extensionsUsed"];
+  EXPECT_TRUE(test::load(b).warnings.empty());
+  b.root.erase("extensionsRequired");
+  for (const char* name : {"KHR_materials_retroreflection (a draft)", "KHR_accessor_float64 (numbers of 64 bits)",
+                           "EXT_texture_astc (textures of ASTC blocks)", "EXT_mesh_primitive_restart (indices",
+                           "KHR_gaussian_splatting (splats"}) {
+    const std::string text = name;
+    b.root["extensionsUsed"] = {text.substr(0, text.find(' '))};
+    EXPECT_EQ(test::warning_count(test::load(b), "not supported, ignored: " + text), 1u) << name;
+  }
+}
+
 } // namespace
 } // namespace wavepath
