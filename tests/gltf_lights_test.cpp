@@ -242,8 +242,8 @@ TEST(GltfImageLight, Orientation) {
   const glm::dvec3 up[6] = {{0, 1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}, {0, 1, 0}, {0, 1, 0}};
   for (std::size_t face = 0; face < 6; ++face) {
     std::vector<std::vector<glm::vec3>> faces(6, std::vector<glm::vec3>(kSize * kSize, glm::vec3(0.0f)));
-    for (std::uint32_t y = 0; y < kSize / 2; ++y) // its upper right quarter
-      for (std::uint32_t x = kSize / 2; x < kSize; ++x) faces[face][y * kSize + x] = glm::vec3(1.0f);
+    for (std::uint32_t y = kSize / 2; y < kSize; ++y) // its upper right quarter, turned by half a turn
+      for (std::uint32_t x = 0; x < kSize / 2; ++x) faces[face][y * kSize + x] = glm::vec3(1.0f);
     const Environment environment = gltf::environment_of_cube(faces, kSize, glm::dmat3(1.0));
     const auto at = [&](double x, double y) {
       return seen(environment, kFaceDirections[face] + x * right[face] + y * up[face]).x;

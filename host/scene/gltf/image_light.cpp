@@ -37,7 +37,8 @@ FacePlace face_of(const glm::dvec3& d) {
 
 // Bilinear within a face.
 glm::dvec3 look_up(const Faces& faces, std::uint32_t size, const glm::dvec3& direction) {
-  const FacePlace place = face_of(direction);
+  FacePlace place = face_of(direction);
+  place.x = -place.x, place.y = -place.y; // as files have them, which lie upside down
   const auto along = [&](double position) { return std::clamp(0.5 * (position + 1.0) * size - 0.5, 0.0, size - 1.0); };
   const double x = along(place.x), y = along(place.y);
   const auto x0 = static_cast<std::size_t>(x), y0 = static_cast<std::size_t>(y);

@@ -12,8 +12,8 @@ namespace wavepath::gltf {
 // to a lat-long map. Without radiance if it has none. Throws Error.
 Environment read_image_light(Document& document, const std::string& request);
 
-// The same of six faces (+X, -X, +Y, -Y, +Z, -Z), each as it is seen from the middle of a right-handed space; squares
-// of one size, of radiance. `world_from_light` turns the light.
+// The same of six faces (+X, -X, +Y, -Y, +Z, -Z), each as it is seen from the middle of a right-handed space, turned by
+// half a turn; squares of one size, of radiance. `world_from_light` turns the light.
 Environment environment_of_cube(const std::vector<std::vector<glm::vec3>>& faces, std::uint32_t size,
                                 const glm::dmat3& world_from_light);
 
