@@ -16,6 +16,7 @@
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/flat.h"
+#include "host/scene/gltf/image.h"
 #include "host/scene/gltf/image_light.h"
 #include "host/scene/gltf/instancing.h"
 #include "host/scene/gltf/light_profiles.h"
@@ -25,6 +26,7 @@
 #include "host/scene/gltf/nodes.h"
 #include "host/scene/gltf/open_document.h"
 #include "host/scene/gltf/pose.h"
+#include "host/scene/gltf/texture.h"
 #include "host/scene/gltf/uri.h"
 #include "host/scene/gltf/variants.h"
 
@@ -37,6 +39,7 @@ struct Imported {
   MaterialMap materials;
   std::map<MeshUse, std::uint32_t> meshes;
   std::size_t material_count = 0; // of the scene, before others added theirs
+  bool holds_values = false;      // an image does, as take_images() says
 };
 
 } // namespace gltf
@@ -346,9 +349,15 @@ Scene load_moment(Document& document, const LoadOptions& options, double seconds
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   place_nodes(import, nodes, hidden);
   if (decode) scene.environment = gltf::read_image_light(document, options.scene);
-  if (imported) *imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
+  if (imported) {
+    const bool held = imported->holds_values;
+    *imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size(), held};
+  }
   if (described) described(scene);
-  if (decode) gltf::take_images(scene, images.get());
+  if (decode) {
+    const bool holds_values = gltf::take_images(scene, images.get());
+    if (imported) imported->holds_values = holds_values;
+  }
   return scene;
 }
 
@@ -361,25 +370,38 @@ Scene load_motion(Document& document, const LoadOptions& options, bool decode, c
   return scene;
 }
 
-// The images that the materials read now, of which those that were there before go over; then those that others added.
-std::vector<Image> next_images(Document& document, const gltf::ImageMap& before, std::vector<Image> images,
-                               const gltf::ImageMap& now) {
-  std::vector<Image> result(now.sources.size());
-  gltf::ImageMap missing;
-  std::vector<std::size_t> places;
-  for (const auto& [key, index] : now.index_of) {
-    const auto known = before.index_of.find(key);
-    if (known != before.index_of.end()) {
-      result[index] = std::move(images[known->second]);
+// Gives a scene the images that its materials read now, of which those that were there before go over; then those that
+// others added. Where images hold values, what materials make of them is looked at anew.
+void take_next_images(Document& document, const gltf::ImageMap& before, std::vector<Image> images, Imported& imported,
+                      Scene& scene) {
+  const gltf::ImageMap& now = imported.materials.images;
+  const auto take_all = [&] {
+    imported.holds_values = gltf::take_images(scene, gltf::decode_images(gltf::image_files(document, now)));
+  };
+  if (imported.holds_values) {
+    take_all();
+  } else {
+    std::vector<Image> result(now.sources.size());
+    gltf::ImageMap missing;
+    std::vector<std::size_t> places;
+    for (const auto& [key, index] : now.index_of) {
+      const auto known = before.index_of.find(key);
+      if (known != before.index_of.end()) {
+        result[index] = std::move(images[known->second]);
+      } else {
+        missing.sources.push_back(now.sources[index]);
+        places.push_back(index);
+      }
+    }
+    std::vector<TextureImage> decoded = gltf::decode_images(gltf::image_files(document, missing));
+    if (std::ranges::any_of(decoded, &TextureImage::holds_values)) {
+      take_all();
     } else {
-      missing.sources.push_back(now.sources[index]);
-      places.push_back(index);
+      for (std::size_t i = 0; i < places.size(); ++i) result[places[i]] = std::move(decoded[i].image);
+      scene.images = std::move(result);
     }
   }
-  std::vector<Image> decoded = gltf::decode_images(gltf::image_files(document, missing));
-  for (std::size_t i = 0; i < places.size(); ++i) result[places[i]] = std::move(decoded[i]);
-  for (std::size_t i = before.sources.size(); i < images.size(); ++i) result.push_back(std::move(images[i]));
-  return result;
+  for (std::size_t i = before.sources.size(); i < images.size(); ++i) scene.images.push_back(std::move(images[i]));
 }
 
 // What meshes carry for a material.
@@ -488,7 +510,7 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   if (options.shutter) { // motion changes meshes, so that all are read again
     const gltf::ImageMap images = std::move(imported.materials.images);
     Scene scene = load_motion(document, options, false, {}, &imported);
-    scene.images = next_images(document, images, std::move(before.images), imported.materials.images);
+    take_next_images(document, images, std::move(before.images), imported, scene);
     state_->is_still = false;
     return scene;
   }
@@ -512,10 +534,13 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
     if (use.skin < 0 && !before.meshes[mesh].moves() && !state_->forgets_meshes)
       import.read_before.emplace(use, std::move(before.meshes[mesh]));
   place_nodes(import, nodes, hidden);
-  imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size()};
+  imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size(), imported.holds_values};
   state_->is_still = !state_->forgets_meshes && has_same_shape(before, scene);
   state_->forgets_meshes = false;
-  scene.images = next_images(document, images, std::move(before.images), imported.materials.images);
+  if (!moves_materials && imported.materials.images.sources.size() == images.sources.size())
+    scene.images = std::move(before.images);
+  else
+    take_next_images(document, images, std::move(before.images), imported, scene);
   state_->keeps_materials &= imported.materials.images.sources.size() == images.sources.size();
   return scene;
 }

@@ -9,6 +9,7 @@
 
 #include "host/base/memory.h"
 #include "host/codecs/srgb.h"
+#include "host/scene/gltf/image.h"
 #include "host/scene/gltf/nodes.h"
 #include "host/scene/gltf/texture.h"
 #include "host/scene/lat_long.h"
@@ -50,14 +51,20 @@ glm::dvec3 look_up(const Faces& faces, std::uint32_t size, const glm::dvec3& dir
   return glm::mix(glm::mix(texel(x0, y0), texel(x1, y0), fx), glm::mix(texel(x0, y1), texel(x1, y1), fx), fy);
 }
 
-// Colours of a JPEG or of a PNG of three channels as they are, those of four channels divided by the last (RGBD).
-std::vector<glm::vec3> radiance_of(const Image& image) {
+// Values of a KTX2 file as they are. Else colours, of a JPEG or of a PNG of three channels as they are, those of four
+// channels divided by the last (RGBD).
+std::vector<glm::vec3> radiance_of(const TextureImage& face) {
+  const Image& image = face.image;
   const std::size_t count = std::size_t{image.width} * image.height;
   std::vector<glm::vec3> radiance(count);
   const auto value = [&](std::size_t i) {
     return image.floats.empty() ? static_cast<float>(image.bytes[i]) / 255.0f : image.floats[i];
   };
   for (std::size_t i = 0; i < count; ++i) {
+    if (face.holds_values) {
+      radiance[i] = {value(4 * i), value(4 * i + 1), value(4 * i + 2)};
+      continue;
+    }
     const float divisor = std::max(value(4 * i + 3), 1.0f / 255.0f);
     for (std::size_t c = 0; c < 3; ++c)
       radiance[i][static_cast<int>(c)] = static_cast<float>(linear_from_srgb(value(4 * i + c)) / divisor);
@@ -107,13 +114,13 @@ Environment read_image_light(Document& document, const std::string& request) {
   ImageMap images;
   for (std::size_t i = 0; i < kFaces; ++i)
     images.sources.push_back(static_cast<std::size_t>(levels.Get(0).Get(i).GetNumberAsInt()));
-  const std::vector<Image> decoded = decode_images(image_files(document, images));
-  const std::uint32_t size = decoded[0].width;
+  const std::vector<TextureImage> decoded = decode_images(image_files(document, images));
+  const std::uint32_t size = decoded[0].image.width;
   Faces faces;
-  for (const Image& image : decoded) {
-    if (image.width != size || image.height != size)
+  for (const TextureImage& face : decoded) {
+    if (face.image.width != size || face.image.height != size)
       document.fail(what + " has faces that are not squares of one size");
-    faces.push_back(radiance_of(image));
+    faces.push_back(radiance_of(face));
   }
   glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
   if (light->Has("rotation")) {

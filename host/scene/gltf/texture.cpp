@@ -140,7 +140,7 @@ std::vector<TextureImage> decode_images(const std::vector<ImageFile>& files) {
   return decoded;
 }
 
-void take_images(Scene& scene, std::vector<TextureImage> images) {
+bool take_images(Scene& scene, std::vector<TextureImage> images) {
   std::vector<bool> limited(images.size()); // read as something of which 1 is the most
   for (Material& material : scene.materials) {
     const auto visit_row = [&](const MaterialTexture& row) {
@@ -167,6 +167,7 @@ void take_images(Scene& scene, std::vector<TextureImage> images) {
       if (limited[i] || k % 4 == 3) file.image.floats[k] = std::min(file.image.floats[k], 1.0f);
     scene.images.push_back(std::move(file.image));
   }
+  return std::ranges::any_of(images, &TextureImage::holds_values);
 }
 
 } // namespace wavepath::gltf

@@ -36,7 +36,8 @@ std::vector<ImageFile> image_files(Document& document, const ImageMap& images);
 // Decodes them, in parallel. Throws the Error of the first that is not sound.
 std::vector<TextureImage> decode_images(const std::vector<ImageFile>& files);
 
-// Gives the scene its images, and its materials' slots what files of KTX2 say about their values.
-void take_images(Scene& scene, std::vector<TextureImage> images);
+// Gives the scene its images, and its materials' slots what files of KTX2 say about their values. Returns whether one
+// holds values (TextureImage).
+bool take_images(Scene& scene, std::vector<TextureImage> images);
 
 } // namespace wavepath::gltf
