@@ -639,6 +639,25 @@ TEST(GltfKtx, FloatsAreLinear) {
   EXPECT_EQ(reflected.images.at(0).floats, (std::vector<float>{1, 0, 1, 1}));
 }
 
+// Slots that are read anew know it too, and so do those of another variant.
+TEST(GltfKtx, FloatsStayLinearInAnOpenFile) {
+  GltfBuilder b = with_ktx(ktx_of(97, {0x00, 0x44, 0x00, 0x38, 0x00, 0x3c, 0x00, 0x44}));
+  b.add("materials", b.root["materials"][0]);
+  b.root["materials"][1]["doubleSided"] = true;
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "both"}}};
+  b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}}};
+  TempFolder folder;
+  GltfFile file(folder.write("scene.gltf", b.json()));
+  Scene scene = file.load();
+  for (const LoadOptions& options :
+       {LoadOptions{.variant = "both"}, LoadOptions{.shutter = std::pair(0.0, 0.0)}, LoadOptions{}}) {
+    scene = file.pose(options, std::move(scene));
+    for (const Material& material : scene.materials) EXPECT_FALSE(material.base_color_texture.srgb);
+    EXPECT_EQ(scene.images.at(0).floats, (std::vector<float>{1, 0.5f, 1, 1}));
+    EXPECT_EQ(scene.images.size(), 1u);
+  }
+}
+
 TEST(GltfKtx, WordsAreReadAsTheyAreInPng) {
   const Scene scene = load(with_ktx(ktx_of(91, {255, 255, 0, 0, 0, 128, 255, 255}, 2)));
   EXPECT_TRUE(scene.materials.at(0).base_color_texture.srgb);
