@@ -32,7 +32,8 @@ DOWNHILL = [
     "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid",
     "host/integrators/whitted", "host/integrators", "host/passes", "host/session", "host/session/viewing",
     "benchmarks",
-    "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/serve", "host/cli",
+    "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/serve", "host/convert",
+    "host/cli",
     "host/library", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}

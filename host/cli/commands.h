@@ -31,6 +31,7 @@ Command add_bench(CLI::App& app);
 Command add_merge(CLI::App& app);
 Command add_relight(CLI::App& app);
 Command add_parts(CLI::App& app);
+Command add_convert(CLI::App& app);
 Command add_selftest(CLI::App& app);
 Command add_study(CLI::App& app, const std::string& command_line);
 

@@ -86,6 +86,7 @@ int run(int argument_count, const char* const* arguments, std::span<const OwnCom
   commands["merge"] = add_merge(app);
   commands["relight"] = add_relight(app);
   commands["parts"] = add_parts(app);
+  commands["convert"] = add_convert(app);
   commands["selftest"] = add_selftest(app);
   commands["study"] = add_study(app, line);
 
