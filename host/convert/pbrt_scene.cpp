@@ -164,6 +164,7 @@ void read_texture_directive(PbrtReader& reader) {
 void read_integrator(PbrtReader& reader) {
   read_string(reader.tokens);
   const PbrtParams params = read_params(reader.tokens);
+  reader.scene.max_depth = 5;
   if (params.has("maxdepth"))
     reader.scene.max_depth = static_cast<int>(std::clamp(params.number("maxdepth", 5.0), 0.0, 1000.0));
 }

@@ -134,7 +134,8 @@ Spectrum resample(const SpectrumTable& table) {
     const double wavelength = kFirstNanometre + kStepNanometres * static_cast<double>(i);
     while (after < table.size() && table[after].first < wavelength) ++after;
     if (after == 0 || after == table.size()) {
-      spectrum[i] = after == 0 ? table.front().second : table.back().second;
+      const bool is_end = after == 0 ? table.front().first == wavelength : table.back().first == wavelength;
+      spectrum[i] = !is_end ? 0.0 : after == 0 ? table.front().second : table.back().second;
       continue;
     }
     const auto& [low, value] = table[after - 1];

@@ -15,7 +15,7 @@ namespace wavepath::convert {
 inline constexpr std::size_t kWavelengths = 41;
 using Spectrum = std::array<double, kWavelengths>;
 
-// Wavelengths in nanometres, ascending, and values; linear in between, constant outside.
+// Wavelengths in nanometres, ascending, and values; linear in between, 0 outside.
 using SpectrumTable = std::vector<std::pair<double, double>>;
 Spectrum resample(const SpectrumTable& table);
 
