@@ -91,7 +91,9 @@ void read_sensor(MitsubaReader& reader, const pugi::xml_node& node) {
   camera.orthographic = type == "orthographic";
   std::string axis = read_text(reader, node, "fov_axis", "x");
   double fov = read_float(reader, node, "fov", 50.0) * kSensorDegree;
-  if (const std::string focal = read_text(reader, node, "focal_length", ""); !focal.empty()) {
+  // Without either, the lens of a small camera.
+  const std::string focal = read_text(reader, node, "focal_length", named_child(reader, node, "fov") ? "" : "50mm");
+  if (!focal.empty()) {
     const double millimetres = numbers_of(reader, node, focal.substr(0, focal.find('m'))).at(0);
     fov = 2.0 * std::atan(0.5 * std::hypot(36.0, 24.0) / std::max(millimetres, 1e-3));
     axis = "diagonal";

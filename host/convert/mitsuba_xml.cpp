@@ -56,12 +56,13 @@ pugi::xml_node load(MitsubaReader& reader, const std::string& path) {
   return root;
 }
 
+std::string_view tag_of(const pugi::xml_node& node) { return node.name(); }
+
 void collect_ids(MitsubaReader& reader, const pugi::xml_node& node) {
+  if (tag_of(node) == "ref") return; // its id is that of what it means
   if (const std::string id = attribute(reader, node, "id"); !id.empty()) reader.ids[id] = node;
   for (const pugi::xml_node& child : node.children()) collect_ids(reader, child);
 }
-
-std::string_view tag_of(const pugi::xml_node& node) { return node.name(); }
 
 void add_elements(MitsubaReader& reader, const pugi::xml_node& root, std::vector<pugi::xml_node>& out, int depth) {
   if (depth > 16) fail_at(reader, root, "includes files too deep");

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <optional>
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/base/read_file.h"
+#include "host/scene/gltf/foreign.h"
 
 namespace wavepath::gltf {
 namespace {
@@ -134,10 +136,6 @@ void check_json_size(const std::string& file, const std::string& text) {
   if (values > kMaxJsonValues) throw Error(file, "its JSON holds " + std::to_string(values) + " values", kRepair);
 }
 
-} // namespace
-
-namespace {
-
 Container read(const FileBytes& bytes) {
   const std::string& file = bytes.file;
   if (bytes.size < kLayouts[0].header) throw Error(file, "is too short to be glTF", "copy or download it again");
@@ -166,6 +164,8 @@ Container read(const FileBytes& bytes) {
 Container read_container(const std::filesystem::path& path) {
   const auto size = regular_file_size(path);
   if (!size) throw Error(path.string(), "is not a file that can be opened", "check the path");
+  if (const std::optional<ForeignFile> foreign = foreign_file(path))
+    throw Error(path.string(), foreign->what + ", not glTF", "convert it: " + foreign->command);
   return read({path.string(), *size,
                [&](std::uint64_t offset, std::span<std::uint8_t> out) { return read_file(path, offset, out); }});
 }
