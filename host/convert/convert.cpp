@@ -64,6 +64,11 @@ std::string render_command(const Description& scene, const std::string& output, 
                            scene.environment->color.z);
   if (scene.camera && scene.camera->aperture > 0.0)
     command += fmt::format(" --aperture {:.6g} --focus {:.6g}", 2.0 * scene.camera->aperture, scene.camera->focus);
+  // Backs of lamps that shine from one side are visible, and dark.
+  const auto shines_from_one_side = [](const Material& material) {
+    return !material.double_sided && material.emission.factor != glm::dvec3(0.0);
+  };
+  if (std::ranges::any_of(scene.materials, shines_from_one_side)) command += " --cull none";
   if (scene.max_depth >= 0) command += fmt::format(" --max-depth {}", scene.max_depth);
   if (scene.film_gain > 0.0 && std::abs(scene.film_gain - 1.0) > 1e-6)
     command += fmt::format(" --exposure {:.6g}", std::log2(scene.film_gain));

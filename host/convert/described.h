@@ -51,8 +51,6 @@ struct Material {
   double anisotropy = 0.0, anisotropy_rotation = 0.0;
   double diffuse_transmission = 0.0;
   glm::dvec3 diffuse_transmission_color{1.0};
-  glm::dvec3 attenuation() const { return absorption; }
-
   Texture emission{{}}; // radiance
   bool double_sided = true;
   bool is_boundary = false; // of a medium, and else invisible

@@ -5,9 +5,6 @@
 
 namespace wavepath::convert {
 
-// Smooth microfacets below this alpha are mirrors in other renderers too.
-inline constexpr double kSmoothAlpha = 1e-3;
-
 // Roughness of glTF for alphas of microfacets along the tangent and across.
 void set_roughness(Description& scene, Material& material, const Texture& alpha_u, const Texture& alpha_v);
 Material diffuse(const Texture& reflectance);

@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host/convert/described.h"
@@ -40,11 +40,10 @@ struct PbrtReader {
   std::map<std::string, Texture> colors, numbers; // textures by name
   std::map<std::string, std::uint32_t> materials, groups;
   std::map<std::string, PbrtMedium> media;
-  std::vector<bool> material_is_twosided; // unused
-  std::optional<std::uint32_t> group;     // that shapes go into
+  std::optional<std::uint32_t> group; // that shapes go into
   bool in_world = false;
   // Meshes and materials by what they were made of.
-  std::map<std::tuple<std::string, bool, int>, std::uint32_t> meshes;
+  std::map<std::pair<std::string, bool>, std::uint32_t> meshes;
   std::map<std::string, std::uint32_t> variants;
 };
 

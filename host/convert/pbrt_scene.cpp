@@ -225,7 +225,8 @@ void set_area_light(PbrtReader& reader) {
 
 void set_media(PbrtReader& reader) {
   reader.now.inside = read_string(reader.tokens);
-  if (reader.tokens.peek().kind == PbrtToken::Kind::string) read_string(reader.tokens);
+  if (reader.tokens.peek().kind == PbrtToken::Kind::string && !read_string(reader.tokens).empty())
+    reader.scene.losses.add("medium around surfaces or the camera");
 }
 
 void set_color_space(PbrtReader& reader) {

@@ -125,7 +125,7 @@ Sized read_quadric(PbrtReader& reader, const std::string& type, const PbrtParams
 // The index of a mesh, made once for each source.
 template <class Make>
 std::uint32_t mesh_index(PbrtReader& reader, const std::string& source, const Make& make) {
-  const auto key = std::tuple{source, reader.now.is_reversed, 0};
+  const auto key = std::pair{source, reader.now.is_reversed};
   if (const auto found = reader.meshes.find(key); found != reader.meshes.end() && !source.empty()) return found->second;
   Mesh mesh = make();
   if (const std::uint64_t bad = remove_bad_triangles(mesh)) reader.scene.losses.add("triangle without area", bad);

@@ -24,8 +24,6 @@ public:
   const PbrtToken& peek();
   // The following words are those of the file, then it goes on here. A file that includes itself is refused.
   void include(const std::string& path);
-  // Of the file that is being read.
-  std::size_t depth() const { return files_.size(); }
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy = "correct the file") const;
   // A path in the file: relative ones start in the folder of the scene.
   std::string resolved(const std::string& name) const;
