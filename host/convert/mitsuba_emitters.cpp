@@ -44,6 +44,7 @@ void read_film_of(MitsubaReader& reader, const pugi::xml_node& node) {
 
 void read_emitter(MitsubaReader& reader, const pugi::xml_node& node) {
   const std::string type = attribute(reader, node, "type");
+  if (type == "area") return; // shapes refer to it
   const glm::dmat4 matrix = read_transform(reader, node);
   Light light;
   light.position = glm::dvec3(matrix[3]);

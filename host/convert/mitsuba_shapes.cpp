@@ -97,6 +97,14 @@ void set_medium(MitsubaReader& reader, const pugi::xml_node& node, Material& mat
   key += fmt::format("|medium {}", medium.hash_value());
 }
 
+// Mitsuba's opaque BSDFs reflect on one side.
+bool is_black_behind(const MitsubaReader& reader, const pugi::xml_node& bsdf) {
+  for (const pugi::xml_node& inner : children_of(reader, bsdf, "bsdf"))
+    if (attribute(reader, bsdf, "type") != "twosided" && is_black_behind(reader, inner)) return true;
+  const std::string type = attribute(reader, bsdf, "type");
+  return type == "diffuse" || type == "roughdiffuse" || type.ends_with("conductor") || type.ends_with("plastic");
+}
+
 std::uint32_t material_of(MitsubaReader& reader, const pugi::xml_node& node, bool& is_visible) {
   const std::vector<pugi::xml_node> bsdfs = children_of(reader, node, "bsdf"),
                                     emitters = children_of(reader, node, "emitter");
@@ -122,6 +130,8 @@ std::uint32_t material_of(MitsubaReader& reader, const pugi::xml_node& node, boo
     material.double_sided = false; // Mitsuba's surfaces shine from the side of their normals
     if (material.is_boundary) material.base = constant(0.0);
   }
+  if (!bsdfs.empty() && emitters.empty() && is_black_behind(reader, bsdfs[0]))
+    reader.scene.losses.add("black back of a material without <twosided>: it reflects as the front");
   reader.materials[key] = static_cast<std::uint32_t>(reader.scene.materials.size());
   reader.scene.materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);

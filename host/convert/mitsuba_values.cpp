@@ -134,6 +134,11 @@ Texture value_of(MitsubaReader& reader, const pugi::xml_node& node, Meaning mean
     return constant(glm::max(rgb_in(reader, node), 0.0));
   if (tag == "spectrum") return constant(glm::max(spectrum_color(reader, node, meaning), 0.0));
   if (tag == "blackbody") return constant(glm::max(black_body_color(reader, node, false), 0.0));
+  if (tag == "volume") { // of a medium
+    if (named_child(reader, node, "value")) return read_texture_of(reader, node, "value", 1.0, meaning);
+    reader.scene.losses.add("volume that varies: 0.5 everywhere instead");
+    return constant(0.5);
+  }
   if (tag != "texture") fail_at(reader, node, fmt::format("<{}> is no colour", std::string(tag).substr(0, 40)));
   const std::string type = attribute(reader, node, "type");
   if (type == "bitmap") return read_bitmap(reader, node, meaning);

@@ -1,4 +1,5 @@
 // Materials of pbrt-v4 as those of glTF.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

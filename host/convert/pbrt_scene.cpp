@@ -1,6 +1,7 @@
 #include "host/convert/pbrt_scene.h"
 
-#include <functional>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
