@@ -248,15 +248,23 @@ TEST(ConvertMitsuba, Materials) {
   EXPECT_EQ(lost(result.converted, "mixture of two materials"), 1u);
 }
 
-TEST(Convert, MediaInBodiesAbsorb) {
+TEST(Convert, MediaInBodiesAbsorbAndScatter) {
   const TempFolder folder;
-  const Result result =
+  const Result pbrt =
       of_pbrt(folder,
               "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3] "
-              "\"rgb sigma_s\" [0 0 0] \"float scale\" 2\nMediumInterface \"m\" \"\"\n"
-              "Material \"dielectric\"\n" +
+              "\"rgb sigma_s\" [0 1 3] \"float scale\" 2 \"float g\" .5\n"
+              "MediumInterface \"m\" \"\"\nMaterial \"dielectric\"\n" +
                   kTriangle);
-  expect_near(glm::dvec3(result.scene.materials[0].attenuation), {2.0, 4.0, 6.0}, 1e-4);
+  expect_near(glm::dvec3(pbrt.scene.materials[0].attenuation), {2.0, 6.0, 12.0}, 1e-4);
+  expect_near(glm::dvec3(pbrt.scene.materials[0].scattering), {0.0, 2.0, 6.0}, 1e-3);
+  EXPECT_NEAR(pbrt.scene.materials[0].scattering_anisotropy, 0.5, 1e-6);
+  const Result mitsuba = of_mitsuba(
+      folder,
+      "<shape type='cube'><bsdf type='dielectric'/><medium name='interior' type='homogeneous'><rgb name='sigma_t' "
+      "value='1 2 4'/><float name='albedo' value='.25'/><float name='scale' value='2'/></medium></shape>");
+  expect_near(glm::dvec3(mitsuba.scene.materials[0].attenuation), {2.0, 4.0, 8.0}, 1e-4);
+  expect_near(glm::dvec3(mitsuba.scene.materials[0].scattering), {0.5, 1.0, 2.0}, 1e-3);
 }
 
 // --- lights ---

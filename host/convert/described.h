@@ -43,8 +43,9 @@ struct Material {
   glm::dvec3 specular_color{1.0};
   double ior = 1.5;
   double transmission = 0.0;
-  bool volume = false;        // a body that refracts, no pane
-  glm::dvec3 absorption{0.0}; // 1/m, in the volume
+  bool volume = false;                         // a body that refracts, no pane
+  glm::dvec3 absorption{0.0}, scattering{0.0}; // 1/m, in the volume
+  double anisotropy_of_scattering = 0.0;       // g of Henyey and Greenstein
   double coat = 0.0, coat_roughness = 0.0;
   glm::dvec3 sheen{0.0};
   double sheen_roughness = 0.0;

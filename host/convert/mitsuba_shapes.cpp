@@ -91,9 +91,11 @@ void set_medium(MitsubaReader& reader, const pugi::xml_node& node, Material& mat
   const glm::dvec3 extinction =
       mean(reader.scene, read_texture_of(reader, medium, "sigma_t", 1.0, Meaning::reflectance));
   const glm::dvec3 albedo = mean(reader.scene, read_texture_of(reader, medium, "albedo", 0.75, Meaning::reflectance));
-  material.absorption = read_float(reader, medium, "scale", 1.0) * extinction * (1.0 - glm::clamp(albedo, 0.0, 1.0));
-  if (albedo != glm::dvec3(0.0))
-    reader.scene.losses.add("scattering of a medium in a body: its absorption alone is kept");
+  const glm::dvec3 scale = read_float(reader, medium, "scale", 1.0) * extinction;
+  material.scattering = scale * glm::clamp(albedo, 0.0, 1.0);
+  material.absorption = scale - material.scattering;
+  if (const pugi::xml_node phase = medium.child("phase"); phase && attribute(reader, phase, "type") == "hg")
+    material.anisotropy_of_scattering = read_float(reader, phase, "g", 0.8);
   key += fmt::format("|medium {}", medium.hash_value());
 }
 

@@ -16,8 +16,8 @@
 namespace wavepath::convert {
 
 struct PbrtMedium {
-  glm::dvec3 absorption{0.0};
-  bool scatters = false, is_uniform = true;
+  glm::dvec3 absorption{0.0}, scattering{0.0};
+  double anisotropy = 0.0;
 };
 
 struct PbrtAttributes {

@@ -85,12 +85,13 @@ void read_medium(PbrtReader& reader) {
   PbrtMedium medium;
   if (type == "homogeneous") {
     const double scale = params.number("scale", 1.0);
-    if (params.has("preset")) reader.scene.losses.add("medium by the name of a preset: no absorption instead");
-    const glm::dvec3 scattering = read_coefficient(reader, params, "sigma_s", glm::dvec3(1.0));
-    medium.absorption = scale * read_coefficient(reader, params, "sigma_a", glm::dvec3(1.0));
-    if (params.has("preset")) medium.absorption = glm::dvec3(0.0);
-    medium.scatters = scattering != glm::dvec3(0.0);
-    for (const char* other : {"g", "sigma_a", "sigma_s"}) params.find(other);
+    if (params.has("preset")) {
+      reader.scene.losses.add("medium by the name of a preset: clear instead");
+    } else {
+      medium.absorption = scale * read_coefficient(reader, params, "sigma_a", glm::dvec3(1.0));
+      medium.scattering = scale * read_coefficient(reader, params, "sigma_s", glm::dvec3(1.0));
+    }
+    medium.anisotropy = params.number("g", 0.0);
   } else {
     reader.scene.losses.add(fmt::format("medium '{}'", type));
     for (const PbrtParam& param : params.all) param.is_used = true;

@@ -164,7 +164,8 @@ std::uint32_t material_of_shape(PbrtReader& reader, const PbrtParams& params, st
     if (material.transmission > 0.0 && material.volume) {
       material.absorption = medium->second.absorption;
       key += "|inside " + reader.now.inside;
-      if (medium->second.scatters) scene.losses.add("scattering of a medium in a body: its absorption alone is kept");
+      material.scattering = medium->second.scattering;
+      material.anisotropy_of_scattering = medium->second.anisotropy;
     } else if (material.is_boundary) {
       scene.losses.add("medium in the air");
     }
