@@ -435,6 +435,22 @@ TEST(Convert, TexturesKeepTheirPlace) {
   EXPECT_NEAR(at.y, 1.0 - (3.0 * 0.2 + 0.5), 1e-6); // rows of glTF's image grow downwards
 }
 
+TEST(Convert, RoughnessOfATextureIsThatOfGltf) {
+  const TempFolder folder;
+  write_map((folder.path() / "map.png").string(), 4, 4, [](std::uint32_t, std::uint32_t) { return 0.5f; });
+  const std::string texture = "WorldBegin\nTexture \"t\" \"float\" \"imagemap\" \"string filename\" \"map.png\" ";
+  const std::string use = "\nMaterial \"conductor\" \"texture roughness\" \"t\"\n" + kTriangle;
+  const auto green = [&](const Result& result) {
+    EXPECT_TRUE(result.converted.losses.empty());
+    const std::uint32_t image = result.scene.materials[0].metallic_roughness_texture.image;
+    return result.scene.images.at(image).bytes.at(1) / 255.0;
+  };
+  const double stored = read_picture((folder.path() / "map.png").string()).channels[0].values[0]; // linear
+  EXPECT_NEAR(green(of_pbrt(folder, texture + use)), std::pow(stored, 0.25), 5e-3);
+  const double byte = stored <= 0.0031308 ? stored * 12.92 : 1.055 * std::pow(stored, 1.0 / 2.4) - 0.055;
+  EXPECT_NEAR(green(of_pbrt(folder, texture + "\"string encoding\" \"linear\"" + use)), std::pow(byte, 0.25), 5e-3);
+}
+
 TEST(Convert, TexturesAreMixedPixelByPixel) {
   convert::Description scene;
   convert::Pixels pixels{2, 1, {glm::vec4(1, 1, 1, 1), glm::vec4(0, 0, 0, 1)}};
@@ -556,6 +572,11 @@ TEST(ConvertMeshes, ShapesHaveTheirAreaAndFaceOutwards) {
   const double pi = 3.141592653589793;
   const glm::dmat4 one(1.0);
   EXPECT_NEAR(convert::area(convert::sphere(), one), 4.0 * pi, 0.02);
+  const convert::Mesh ball = convert::sphere();
+  for (std::size_t t = 0; t + 2 < ball.indices.size(); t += 3) {
+    const auto at = [&](std::size_t k) { return glm::dvec3(ball.positions[ball.indices[t + k]]); };
+    ASSERT_GT(glm::length(glm::cross(at(1) - at(0), at(2) - at(0))), 1e-6); // none without an area at the poles
+  }
   EXPECT_NEAR(convert::area(convert::cylinder(), one), 2.0 * pi, 0.01);
   EXPECT_NEAR(convert::area(convert::disk(), one), pi, 0.01);
   EXPECT_NEAR(convert::area(convert::disk(0.5), one), 0.75 * pi, 0.01);

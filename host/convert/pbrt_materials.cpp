@@ -14,17 +14,17 @@ namespace {
 // Sets what "roughness", or "uroughness" and "vroughness" say.
 void read_roughness(PbrtReader& reader, const PbrtParams& params, const std::string& prefix, Material& material) {
   const bool remap = params.flag("remaproughness", true);
-  Texture alphas[2];
-  const char* names[] = {"uroughness", "vroughness"};
-  for (int i = 0; i < 2; ++i) {
-    const std::string own = prefix + names[i];
-    const Texture value = params.has(own) ? read_scalar(reader, params, own.c_str(), 0.0)
-                                          : read_scalar(reader, params, (prefix + "roughness").c_str(), 0.0);
-    alphas[i] = remap ? mapped(reader.scene, value, Holds::numbers,
-                               [](const glm::dvec3& x) { return glm::sqrt(glm::max(x, 0.0)); })
-                      : value;
-  }
-  set_roughness(reader.scene, material, alphas[0], alphas[1]);
+  const auto value = [&](const char* name) {
+    const std::string own = prefix + name;
+    return read_scalar(reader, params, (params.has(own) ? own : prefix + "roughness").c_str(), 0.0);
+  };
+  const auto alpha = [&](const Texture& roughness) {
+    if (!remap) return roughness;
+    return mapped(reader.scene, roughness, Holds::numbers,
+                  [](const glm::dvec3& x) { return glm::sqrt(glm::max(x, 0.0)); });
+  };
+  const Texture u = value("uroughness"), v = value("vroughness"), alpha_u = alpha(u);
+  set_roughness(reader.scene, material, alpha_u, u == v ? alpha_u : alpha(v));
 }
 
 Material read_coated_diffuse(PbrtReader& reader, const PbrtParams& params) {

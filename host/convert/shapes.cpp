@@ -107,7 +107,8 @@ Mesh sphere(double z_min, double z_max, double phi_max) {
   const auto along = std::max(2u, static_cast<std::uint32_t>(std::lround(kAlong * (bottom - top) / (0.5 * kTurn))));
   return over_grid(steps_around(phi_max), along, [&](double u, double v) {
     const double theta = top + v * (bottom - top), phi = u * phi_max;
-    const glm::dvec3 n(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+    const double ring = std::sin(theta) < 1e-12 ? 0.0 : std::sin(theta); // poles are points
+    const glm::dvec3 n(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta));
     return std::pair{n, n};
   });
 }
