@@ -746,6 +746,19 @@ TEST(Convert, LossesHaveCounts) {
   EXPECT_EQ(lost(result.converted, "parameter 'sharpness' of material 'diffuse' ignored"), 1u);
 }
 
+TEST(ConvertMitsuba, ValuesThatNothingReadsAreNamed) {
+  const TempFolder folder;
+  const Result result = of_mitsuba(
+      folder,
+      "<bsdf type='diffuse' id='paint'><rgb name='reflectance' value='0.5'/><float name='gloss' value='1'/></bsdf>"
+      "<shape type='sphere'><float name='radius' value='2'/><boolean name='isVisible' value='true'/><ref id='paint'/>"
+      "</shape><shape type='sphere'><float name='radius' value='2'/><ref id='paint'/></shape>"
+      "<emitter type='point'><rgb name='intensity' value='1'/><float name='sampling_weight' value='2'/></emitter>");
+  EXPECT_EQ(lost(result.converted, "parameter 'gloss' of bsdf 'diffuse' ignored"), 1u);
+  EXPECT_EQ(lost(result.converted, "parameter 'is_visible' of shape 'sphere' ignored"), 1u);
+  EXPECT_EQ(result.converted.losses.counts().size(), 2u);
+}
+
 TEST(Convert, GltfWithItsBinaryBesideIsTheSameScene) {
   const TempFolder folder;
   const std::string input = folder.write("scene.pbrt", "WorldBegin\n" + kTriangle).string();

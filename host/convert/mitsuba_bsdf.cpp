@@ -102,12 +102,11 @@ Material read_principled(MitsubaReader& reader, const pugi::xml_node& node, bool
   material.coat = std::clamp(constant_of(reader, node, "clearcoat", 0.0), 0.0, 1.0);
   const double gloss = std::clamp(constant_of(reader, node, "clearcoat_gloss", 0.0), 0.0, 1.0);
   material.coat_roughness = std::sqrt(0.1 + (0.001 - 0.1) * gloss);
-  const double sheen = constant_of(reader, node, "sheen", 0.0);
+  const double sheen = constant_of(reader, node, "sheen", 0.0), tint = constant_of(reader, node, "sheen_tint", 0.0);
   if (sheen > 0.0) {
     const glm::dvec3 base = mean(reader.scene, material.base);
     const double largest = std::max({base.x, base.y, base.z, 1e-6});
-    material.sheen =
-        sheen * glm::mix(glm::dvec3(1.0), base / largest, glm::dvec3(constant_of(reader, node, "sheen_tint", 0.0)));
+    material.sheen = sheen * glm::mix(glm::dvec3(1.0), base / largest, glm::dvec3(tint));
     material.sheen_roughness = 0.5;
     reader.scene.losses.add("sheen of a principled material: that of glTF instead");
   }
@@ -170,6 +169,7 @@ Material read_bsdf(MitsubaReader& reader, const pugi::xml_node& node) {
   if (++reader.depth > kDeepestBsdf) fail_at(reader, node, "nests BSDFs too deep");
   Material material = of_bsdf_type(reader, node, attribute(reader, node, "type"));
   --reader.depth;
+  tell_unused(reader, node);
   if (const std::string id = attribute(reader, node, "id"); !id.empty()) material.name = id;
   return material;
 }

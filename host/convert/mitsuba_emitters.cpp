@@ -66,16 +66,17 @@ void read_emitter(MitsubaReader& reader, const pugi::xml_node& node) {
     light.direction = read_vector(reader, node, "direction", light.direction);
   } else if (type == "constant") {
     add_environment(reader.scene, light_of(reader, node, "radiance"));
-    return;
+    return tell_unused(reader, node);
   } else if (type == "envmap") {
     const std::string path = read_path(reader, node, read_text(reader, node, "filename", ""));
     add_environment(reader.scene, lat_long_environment(path, matrix),
                     glm::dvec3(read_float(reader, node, "scale", 1.0)));
-    return;
+    return tell_unused(reader, node);
   } else {
     reader.scene.losses.add(fmt::format("emitter '{}' left out", type));
     return;
   }
+  tell_unused(reader, node);
   reader.scene.lights.push_back(light);
 }
 
@@ -110,6 +111,7 @@ void read_sensor(MitsubaReader& reader, const pugi::xml_node& node) {
   for (const char* name : {"principal_point_offset_x", "principal_point_offset_y"})
     if (read_float(reader, node, name, 0.0) != 0.0)
       reader.scene.losses.add("picture off the view axis: centred instead (see --shift)");
+  tell_unused(reader, node);
   // Mitsuba's cameras look along +Z, and +X is on their left.
   glm::dmat4 turn(1.0);
   turn[0][0] = turn[2][2] = -1.0;

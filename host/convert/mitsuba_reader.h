@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <pugixml.hpp>
@@ -27,8 +30,9 @@ struct MitsubaReader {
   std::vector<std::filesystem::path> folders;    // that files are looked for in
   std::map<std::string, pugi::xml_node> ids;
   Description scene;
-  std::map<std::string, std::uint32_t> meshes, materials, groups; // by what they were made of
-  int depth = 0;                                                  // of nested BSDFs and textures
+  std::map<std::string, std::uint32_t> meshes, materials, groups;          // by what they were made of
+  int depth = 0;                                                           // of nested BSDFs and textures
+  mutable std::map<std::size_t, std::set<std::string, std::less<>>> asked; // by element: names looked for in it
 };
 
 // mitsuba_xml.cpp
@@ -40,6 +44,8 @@ std::vector<pugi::xml_node> read_elements(MitsubaReader& reader, const std::stri
 std::string attribute(const MitsubaReader& reader, const pugi::xml_node& node, const char* name);
 // The child with this name="", whatever its tag; a <ref> leads to what it means. Empty if there is none.
 pugi::xml_node named_child(const MitsubaReader& reader, const pugi::xml_node& node, std::string_view name);
+// Names among the losses the values of an element that nothing has looked for, once.
+void tell_unused(MitsubaReader& reader, const pugi::xml_node& node);
 // What an element means: itself, or the target of a <ref>.
 pugi::xml_node resolved(const MitsubaReader& reader, const pugi::xml_node& node);
 // Children of a tag, and references to such.

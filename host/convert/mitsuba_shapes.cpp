@@ -168,6 +168,7 @@ std::optional<Shape> to_shape(MitsubaReader& reader, const pugi::xml_node& node)
     reader.scene.losses.add(fmt::format("shape '{}' left out", type));
     return std::nullopt;
   }
+  tell_unused(reader, node);
   bool is_visible = true;
   shape.material = material_of(reader, node, is_visible);
   if (is_visible) return shape;

@@ -209,9 +209,27 @@ pugi::xml_node resolved(const MitsubaReader& reader, const pugi::xml_node& node)
 }
 
 pugi::xml_node named_child(const MitsubaReader& reader, const pugi::xml_node& node, std::string_view name) {
+  reader.asked[node.hash_value()].emplace(name);
   for (const pugi::xml_node& child : node.children())
     if (snake_case(child.attribute("name").value()) == name) return resolved(reader, child);
   return {};
+}
+
+void tell_unused(MitsubaReader& reader, const pugi::xml_node& node) {
+  // How a light is picked changes no picture.
+  static constexpr std::string_view kPassedOver[] = {"sampling_weight"};
+  static constexpr std::string_view kValues[] = {"float",    "integer", "boolean",   "string", "rgb",
+                                                 "spectrum", "color",   "blackbody", "vector", "transform",
+                                                 "texture",  "volume",  "point"};
+  auto& asked = reader.asked[node.hash_value()];
+  for (const pugi::xml_node& child : node.children()) {
+    const std::string name = snake_case(child.attribute("name").value());
+    if (name.empty() || asked.contains(name) || std::ranges::find(kPassedOver, name) != std::end(kPassedOver)) continue;
+    if (std::ranges::find(kValues, tag_of(resolved(reader, child))) == std::end(kValues)) continue;
+    reader.scene.losses.add(
+        fmt::format("parameter '{}' of {} '{}' ignored", name, tag_of(node), attribute(reader, node, "type")));
+    asked.insert(name);
+  }
 }
 
 std::vector<pugi::xml_node> children_of(const MitsubaReader& reader, const pugi::xml_node& node, std::string_view tag) {
