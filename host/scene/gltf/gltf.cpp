@@ -519,7 +519,8 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   const std::vector<bool> hidden = gltf::hidden_nodes(document);
   const gltf::ImageMap images = imported.materials.images;
-  before.materials.resize(imported.material_count);
+  const std::size_t known = imported.material_count;
+  before.materials.resize(known);
   if (!moves_materials) {
     import.materials = std::move(imported.materials);
     scene.materials = std::move(before.materials);
@@ -537,7 +538,7 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size(), imported.holds_values};
   state_->is_still = !state_->forgets_meshes && has_same_shape(before, scene);
   state_->forgets_meshes = false;
-  if (!moves_materials && imported.materials.images.sources.size() == images.sources.size())
+  if (!moves_materials && scene.materials.size() == known)
     scene.images = std::move(before.images);
   else
     take_next_images(document, images, std::move(before.images), imported, scene);
