@@ -78,7 +78,7 @@ TEST(KtxSamples, EqualTheirFallback) {
   int compared = 0;
   for (const fs::path& path : compressed) {
     SCOPED_TRACE(path.string());
-    // Made of directions that were normalized afterwards.
+    // Differs from its PNG in red and green, by whatever decoder: the two are probably not of one revision.
     if (path.stem() == "AnisotropyBarnLamp_anisotropy") continue;
     const TextureImage file = load(path);
     const auto found = plain.find(path.parent_path().parent_path().filename().string() + "/" + path.stem().string());

@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// What main() does. `own`: as run() takes it.
+// The body of main(). `own`: commands of the program alone, as run() takes them.
 int run_program(int argument_count, const char* const* arguments, std::span<const OwnCommand> own = {});
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// What the window and the browser show: a scene on a device, the render of it, and what is written and told of that.
+// The scene that a window or a browser shows: on its device, with its render, and what is written and told of both.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ void check_viewing(ViewingRequest& request, std::uint32_t frames = 0);
 void add_show_flag(CLI::App& app, const char* group, const char* choices, ViewingRequest& request);
 void add_viewing_flags(CLI::App& app, const char* group, ViewingRequest& request);
 
-// What the picture shows to begin with.
+// The display to begin with.
 DisplayOptions first_display(const ViewingRequest& request);
 
 class Viewing {
@@ -56,11 +56,11 @@ public:
   Session& session() { return session_; }
   ViewedScene& scene() { return *scene_; }
   Framing framing();
-  // What `wavepath render` needs besides camera and settings.
+  // Flags that `wavepath render` needs besides those of camera and settings.
   std::string flags() const;
   // Sentences about approximations in a picture with these settings.
   std::vector<std::string> notes(const RenderPlan& settings) const;
-  // What a picture with these settings does. Pilots decide nothing of it, so that the copied command says all.
+  // The plan of a picture with these settings. Pilots decide nothing of it, so that the copied command says all.
   std::vector<Decision> decisions(const RenderPlan& settings) const;
   // Writes a picture of the render as it is now. Throws Error.
   void save(const std::string& path, const Picture& picture, const DisplayOptions& display) const;

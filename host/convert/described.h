@@ -110,8 +110,8 @@ struct Description {
   Warnings losses;
 };
 
-// Where the right, up and view axes of a format's cameras are, in those of glTF's. Sets camera and root, so that
-// neither of them mirrors the picture.
+// `camera_from_gltf`: the right, up and view axes of a format's cameras, in those of glTF's. The camera and the root
+// that it sets do not mirror the picture.
 void place_camera(Description& description, Camera camera, const glm::dmat4& world_from_camera,
                   const glm::dmat4& camera_from_gltf);
 

@@ -54,7 +54,7 @@ Pixels decoded_pixels(const std::vector<std::uint8_t>& bytes, Holds holds, doubl
   return pixels;
 }
 
-// By the decoders of environments: every other format.
+// Every other format is read by the decoders of environments.
 Pixels read_pixels(const std::string& path, Holds holds) {
   ReadRequest request;
   request.wanted = [](const std::string& name) { return name == "A"; };

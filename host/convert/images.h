@@ -12,7 +12,7 @@ namespace wavepath::convert {
 
 inline constexpr std::uint32_t kNoImage = 0xffffffffu;
 
-// What an image holds: colours, which are encoded as sRGB, or numbers.
+// The content of an image: colours, which are encoded as sRGB, or numbers.
 enum class Holds : std::uint8_t { colors, numbers };
 
 // Pixels: linear colours and alpha, rows from the top.
