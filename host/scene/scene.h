@@ -11,6 +11,7 @@
 
 #include "host/base/warnings.h"
 #include "host/scene/material.h"
+#include "host/scene/volume.h"
 
 namespace wavepath {
 
@@ -128,6 +129,7 @@ struct Scene {
   std::vector<PunctualLight> lights;
   std::vector<LightProfile> profiles;
   Environment environment;
+  std::optional<Volume> volume;
   // Materials first <= m < end are those of the shadow catcher alone (host/scene/staging/catcher.h).
   std::uint32_t first_catcher = 0, end_catcher = 0;
   std::vector<std::string> extensions_used;

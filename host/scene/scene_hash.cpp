@@ -110,6 +110,25 @@ void add(Hash& hash, const Environment& environment) {
   hash.add(rotation);
 }
 
+void add(Hash& hash, const VoxelGrid& grid) {
+  hash.add(grid.first);
+  hash.add(grid.brick_counts);
+  hash.add_all(grid.bricks);
+  hash.add_all(grid.constants);
+  hash.add_all(grid.voxels);
+  hash.add(grid.grid_from_index);
+}
+
+void add(Hash& hash, const Volume& volume) {
+  const auto& [grids, world_from_grid, scattering, absorption, anisotropy, emission, scale, offset] = volume;
+  add(hash, grids->density);
+  if (grids->temperature) add(hash, *grids->temperature);
+  hash.add(world_from_grid);
+  hash.add(scattering);
+  hash.add(absorption);
+  for (const float number : {anisotropy, emission, scale, offset}) hash.add(number);
+}
+
 template <class T>
 void add_each(Hash& hash, const std::vector<T>& values) {
   hash.add(values.size());
@@ -121,7 +140,7 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
   const auto& [path, files, images, materials, meshes, instances, node_names, node_parents, cameras, lights, profiles,
-               environment, first_catcher, end_catcher, extensions_used, variants, warnings] = scene;
+               environment, volume, first_catcher, end_catcher, extensions_used, variants, warnings] = scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);
@@ -130,6 +149,7 @@ std::uint64_t hash_scene(const Scene& scene) {
   add_each(hash, lights);
   add(hash, environment);
   for (const LightProfile& profile : profiles) add(hash, profile);
+  if (volume) add(hash, *volume);
   if (end_catcher > first_catcher) {
     hash.add(first_catcher);
     hash.add(end_catcher);
