@@ -35,6 +35,9 @@ const bool kInStep = kWalk == kWalkInStep;
 #define has_lobe(lobe) ((kLobes & (lobe)) != 0u)
 // True if some surface is more than diffuse.
 const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
+// True if there is a volume; and if its hot parts shine.
+#define HAS_VOXELS has_lobe(kFeatureVoxels)
+#define HAS_FIRE has_lobe(kFeatureFire)
 bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

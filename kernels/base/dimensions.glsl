@@ -18,6 +18,8 @@ const uint kDimensionLens = 0x80000000u;
 const uint kDimensionSky = 0x20000000u;
 // x: of the lobe of the second vertex that sends light to neighbours (path/reuse.glsl).
 const uint kDimensionReuse = 0x10000000u;
+// x: optical depth of the first collision with the volume, y: what happens there. One pair for each bounce.
+const uint kDimensionVolume = 0x08000000u;
 // x: of the moment at which a path sees the scene.
 const uint kDimensionTime = 0x40000000u;
 

@@ -92,6 +92,9 @@ GPU_CONSTANT Feature kFeatureSoftLamps = GPU_LOBE(20);
 GPU_CONSTANT Feature kFeatureLightGroups = GPU_LOBE(19);
 // Point lights whose intensity goes by direction (kernels/light/light_sampling.glsl).
 GPU_CONSTANT Feature kFeatureLightProfiles = GPU_LOBE(22);
+// A volume of voxels (kernels/volume); kernels with this bit have more bindings.
+GPU_CONSTANT Feature kFeatureVoxels = GPU_LOBE(23);
+GPU_CONSTANT Feature kFeatureFire = GPU_LOBE(24); // whose hot parts shine; set besides kFeatureVoxels
 // Paths tell what of a pixel is transparent or in shadow (cover_types.h); kernels with this bit have more bindings.
 GPU_CONSTANT Feature kFeatureCover = GPU_LOBE(18);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have

@@ -125,8 +125,10 @@ struct Ray {
 };
 GPU_CHECK(sizeof(Ray) == 32);
 
+GPU_CONSTANT uint kScattered = kNone - 1u;
+
 struct Hit {
-  uint triangle; // kNone = miss
+  uint triangle; // kNone = miss; kScattered = the volume scattered the path before
   uint instance;
   float b1; // barycentric weight of v1
   float b2;

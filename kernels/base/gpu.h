@@ -15,7 +15,9 @@
 #define GPU_CHECK(condition) static_assert(condition)
 namespace wavepath::gpu {
 using uint = std::uint32_t;
+using glm::ivec3;
 using glm::uvec2;
+using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;

@@ -38,6 +38,9 @@ uint current_body(uint slot) {
   return first == kNoBody ? kNone : first;
 }
 
+// True if the path is in a body, which displaces the volume.
+bool is_in_body(uint slot) { return has(kFeatureVolume) && current_body(slot) != kNone; }
+
 // The list. `kind`: kBodiesOfPath, or those of a vertex.
 const uint kBodiesOfPath = 0u, kBodiesHere = 1u, kBodiesBehind = 2u;
 
@@ -58,7 +61,9 @@ void store_bodies(uint kind, uint slot, uvec4 bodies) {
   }
 }
 
-// Shadow rays say by `t_max` that they begin behind the surface of their vertex.
+// Shadow rays say by `t_max` that they begin behind the surface of their vertex; in a scene with a volume, that they
+// run within a body.
+bool marks_bodies() { return has(kFeatureVolume) && (uses_walls() || HAS_VOXELS); }
 float behind_t_max(float t_max) { return uintBitsToFloat(floatBitsToUint(t_max) ^ 1u); }
 float plain_t_max(float t_max) { return t_max > 2.0 ? kFar : 1.0; }
 

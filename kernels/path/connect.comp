@@ -27,6 +27,8 @@
 #include "kernels/path/sky_density.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/base/records.glsl"
+#include "kernels/volume/bindings.glsl"
+#include "kernels/volume/transmittance.glsl"
 
 Sampler path_sampler;
 #define SHADOW_PASSES_PANES
@@ -82,11 +84,20 @@ float queued_t_max;
 uint queued_target, queued_target_instance; // triangle and instance of the light
 ShadowRay shadow_ray;
 
+// Fraction of the light that passes the volume.
+vec3 volume_passed() {
+  uint queue_ = queues.first_shadow / frame.slot_count;
+  begin_random(fetch_sampler(shadow_ray.slot), wave.bounce, kWalkToLight + queue_);
+  bool distant = shadow_ray.t_max == kFar;
+  return volume_transmittance(shadow_ray.origin, shadow_ray.direction, shadow_ray.t_max,
+                              distant ? 1.0 : length(shadow_ray.direction));
+}
+
 void begin_ray(uint index) {
   shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SAMPLES_SKY ? queues.first_shadow : 0u) + index);
   queued_origin = shadow_ray.origin;
   queued_direction = shadow_ray.direction;
-  queued_t_max = has(kFeatureVolume) && uses_walls() ? plain_t_max(shadow_ray.t_max) : shadow_ray.t_max;
+  queued_t_max = marks_bodies() ? plain_t_max(shadow_ray.t_max) : shadow_ray.t_max;
   if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = fetch_sampler(shadow_ray.slot);
   if (kMoves) open_shutter(fetch_sampler(shadow_ray.slot));
   begin_shadow(shadow_ray.direction);
@@ -113,6 +124,7 @@ void end_ray(uint index, Hit hit) {
     float metre = distant ? 1.0 : length(queued_direction);
     contribution *= bodies_passed(bodies, metre, distant ? kFarAway : metre);
   }
+  if (HAS_VOXELS && shadow_ray.t_max == queued_t_max) contribution *= volume_passed();
   if (COVERS && wave.bounce == 0u) {
     uint index = kLightSamples > 1u || SAMPLES_SKY ? queues.first_shadow / frame.slot_count : 0u;
     float scale = is_to_sky(shadow_ray) ? 1.0 : path_cover[shadow_ray.slot].light_scale[index];

@@ -57,6 +57,10 @@ void note_scattering(uint path, uint bounce, Guide guide, vec3 position, vec3 di
   guide_records[at + 1u] = vec4(direction, bsdf_pdf);
   guide_records[at + 2u] = vec4(luminance(throughput), 0.0, 0.0, guide.guidable_fraction);
 }
+// The path goes on from the vertex of `bounce`, in a direction that is not guided, as after a delta lobe.
+void note_unguided(uint path, uint bounce) {
+  if (bounce < kGuideBounces) guide_records[guide_record(path, bounce)] = vec4(0.0, 0.0, 0.0, -1.0);
+}
 // The path arrived at the vertex of `bounce`, with this radiance gathered so far.
 void note_arrival(uint path, uint bounce, vec3 radiance) {
   if (bounce > 0u && bounce <= kGuideBounces)

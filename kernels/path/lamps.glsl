@@ -1,5 +1,6 @@
 // Soft lamps that rays of paths meet by chance: spheres on the way, and directional lights by rays that leave the
-// scene. Camera rays do not look for them. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS and
+// scene. Camera rays do not look for them. In a scene with a volume, the kernel that defines LAMPS_IN_VOLUME looks for
+// spheres, before it tracks the ray. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS and
 // BIND_PATHS first.
 #ifndef WAVEPATH_PATH_LAMPS_GLSL
 #define WAVEPATH_PATH_LAMPS_GLSL
@@ -11,6 +12,9 @@
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/receiver.glsl"
+#ifdef LAMPS_IN_VOLUME
+#include "kernels/volume/transmittance.glsl"
+#endif
 
 bool may_meet_lamps(PathState path, uint slot) {
   if (COVERS && comes_from_catcher(slot)) return false;
@@ -32,6 +36,9 @@ void add_lamp(inout PathState path, uint slot, uint index, vec3 light) {
 
 // Spheres before the ray has gone `end` metres.
 void meet_lamps(Ray ray, float end, inout PathState path) {
+#ifndef LAMPS_IN_VOLUME
+  if (HAS_VOXELS) return;
+#endif
   if (!has_lobe(kFeatureSoftLamps) || !may_meet_lamps(path, ray.slot)) return;
   vec3 from = ray.origin;
   if (uses(kFeaturePanes) && wants_light_weight(path)) from = fetch_receiver(ray.slot).position; // before panes
@@ -44,6 +51,9 @@ void meet_lamps(Ray ray, float end, inout PathState path) {
     Light light = fetch_light(i);
     vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
     if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_ - begun);
+#ifdef LAMPS_IN_VOLUME
+    if (!is_in_body(ray.slot)) radiance *= volume_transmittance(ray.origin, ray.direction, distance_ - begun, 1.0);
+#endif
     add_lamp(path, ray.slot, i, radiance * lamp_weight(path, light, i, ray.slot, from));
   }
 }

@@ -8,6 +8,7 @@
 #include "kernels/path/records.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/surface/vertex.glsl"
+#include "kernels/volume/phase.glsl"
 
 #ifdef LAYERED
 
@@ -37,24 +38,6 @@ float travel(uint medium, float end, Sampler path_sampler, inout vec3 throughput
   float density = scatters ? dot(probability, extinction * passed) : dot(probability, passed);
   throughput *= (scatters ? scattering * passed : passed) / max(density, 1e-30);
   return min(distance_, end);
-}
-
-// A direction from the phase function of Henyey and Greenstein about the one that light goes on in.
-vec3 sample_phase(float g, vec3 forward, vec2 u) {
-  float t = (1.0 - g * g) / (1.0 - g + 2.0 * g * u.x);
-  float cosine = abs(g) < 1e-3 ? 1.0 - 2.0 * u.x : clamp((1.0 + g * g - t * t) / (2.0 * g), -1.0, 1.0);
-  vec3 tangent, bitangent;
-  make_basis(forward, tangent, bitangent);
-  float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-  vec2 around = sine * cos_sin_turns(u.y);
-  return normalize(tangent * around.x + bitangent * around.y + forward * cosine);
-}
-
-// Density of the phase function per solid angle, for the cosine between the two directions; also the fraction of light
-// that it scatters there.
-float phase_pdf(float g, float cosine) {
-  float d = max(1.0 + g * g - 2.0 * g * cosine, 1e-12);
-  return 0.25 * kInvPi * (1.0 - g * g) / (d * sqrt(d));
 }
 
 float medium_anisotropy(uint slot) { return uintBitsToFloat(fetch_layers(current_body(slot), 5u).w); }
@@ -99,7 +82,6 @@ void disperse(Vertex v, inout PathState path) {
 
 #else // bodies neither scatter nor disperse
 
-float phase_pdf(float g, float cosine) { return 0.0; }
 float medium_anisotropy(uint slot) { return 0.0; }
 bool is_in_scattering_medium(uint slot) { return false; }
 bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) { return false; }

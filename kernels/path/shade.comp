@@ -30,6 +30,7 @@
 #include "kernels/path/guided.glsl"
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/medium.glsl"
+#include "kernels/path/medium_light.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/queue_item.glsl"
@@ -49,7 +50,6 @@ Guide guide; // guide of the vertex being shaded
 bool sends = false; // true if the vertex sends light to neighbours
 uint sender;        // slot of that vertex
 
-#define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
 uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
 
 bool is_behind(Vertex v, vec3 direction) { return is_below(v, direction) && !v.bsdf.thin; }
@@ -69,9 +69,12 @@ void store_bodies_around(Vertex v, uint slot) {
 }
 
 // t_max of a shadow ray, which also tells connect whether the ray begins behind the surface.
-float t_max_of(Vertex v, vec3 direction, bool distant) {
+float t_max_of(Vertex v, vec3 direction, bool distant, uint slot) {
   float t_max = distant ? kFar : 1.0;
-  return has(kFeatureVolume) && uses_walls() && is_behind(v, direction) ? behind_t_max(t_max) : t_max;
+  if (!marks_bodies()) return t_max;
+  bool marked = is_behind(v, direction);
+  if (HAS_VOXELS) marked = (marked ? body_behind(v, slot) : current_body(slot)) != kNone;
+  return marked ? behind_t_max(t_max) : t_max;
 }
 
 bool is_soft_lamp(uint index) {
@@ -111,26 +114,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   ray.origin =
       offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
-  ray.t_max = t_max_of(v, light.direction, light.distant);
-  return true;
-}
-
-// The same for a point within a body that scatters, with a single light sample. The path arrives along `forward`.
-bool connect_to_light(vec3 from, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension,
-                      uint slot, vec3 throughput, out ShadowRay ray) {
-  LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
-  if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
-  float density = phase_pdf(g, dot(forward, light.direction));
-  float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, density);
-  ray.contribution = throughput * density * light.radiance * (weight / light.pdf);
-  float distance_ = light.distant ? kFarAway : length(light.target - from);
-  if (!uses_walls()) ray.contribution *= medium_transmittance(current_body(slot), distance_);
-  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
-  ray.slot = slot;
-  ray.light = light.light;
-  ray.origin = from;
-  ray.direction = light.distant ? light.direction : light.target - from;
-  ray.t_max = light.distant ? kFar : 1.0;
+  ray.t_max = t_max_of(v, light.direction, light.distant, slot);
   return true;
 }
 
@@ -191,7 +175,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
     ray.light = kNone;
     ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
     ray.direction = wi;
-    ray.t_max = t_max_of(v, wi, true);
+    ray.t_max = t_max_of(v, wi, true, slot);
     uint queue_ = kLightSamples - 1u + i;
     store_shadow_ray(queue_ * frame.slot_count + atomicAdd(queues.shadow_count[queue_], 1u), ray);
   }
@@ -251,21 +235,6 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
-// Next-event estimation where the path is scattered within a body, at the origin of its next ray `next`.
-bool light_in_medium(Ray ray, Ray next, PathState path, out ShadowRay shadow) {
-  if (kDirect == kDirectBsdf || frame.light_count == 0u) return false;
-  uint slot = ray.slot;
-  uvec4 words = uvec4(floatBitsToUint(next.origin), 0u);
-  if (keeps_receivers()) receiver_words[receiver_index(slot)] = words;
-  if (uses_walls()) store_bodies(kBodiesHere, slot, fetch_bodies(slot));
-  Receiver receiver = keeps_receivers() ? unpack_receiver(words) : Receiver(next.origin, vec3(0.0));
-  bool wanted = connect_to_light(next.origin, ray.direction, medium_anisotropy(slot), receiver, fetch_sampler(slot),
-                                 bounce_dimension(wave.bounce), slot, path.throughput, shadow);
-  if (!TAKES_MORE_LIGHT_SAMPLES) return wanted;
-  if (wanted) store_shadow_ray(atomicAdd(queues.shadow_count[0], 1u), shadow);
-  return false;
-}
-
 // Follows the path of one ray to its next vertex. Sets wants_ray and wants_shadow if `next` and `shadow` are to be
 // traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
@@ -290,8 +259,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (scatter_in_medium(ray, length(offset), path, next)) {
       end_behind(slot, path.throughput);
       if (COVERS) leave_straight(slot), leave_catcher(slot);
+      if (has(kFeatureTraining)) note_unguided(wave.first_pixel + slot, wave.bounce);
       wants_ray = wave.bounce < frame.max_depth;
-      if (wants_ray) wants_shadow = light_in_medium(ray, next, path, shadow);
+      if (wants_ray) wants_shadow = light_in_medium(ray, next, medium_anisotropy(slot), path, shadow);
       wants_ray = wants_ray && survives_medium(slot, path);
       return;
     }
@@ -305,6 +275,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     may_be_pane = (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTrianglePane) != 0u;
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
+    if (has(kFeatureTraining)) note_unguided(wave.first_pixel + slot, wave.bounce);
     if (!lets_shadow_rays_pass(v)) { // shadow rays do not get here
       path.bsdf_pdf = -1.0;
       if (COVERS) leave_catcher(slot);
@@ -393,6 +364,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
 void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  if (HAS_VOXELS && fetch_hit(index).triangle == kScattered) return; // collide has done it
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   if (kMoves) open_shutter(fetch_sampler(ray.slot));

@@ -12,6 +12,9 @@ const uint kNoBody = 0xffffu; // fills lists up
 
 bool is_nested() { return has_lobe(kLobeNested) && (frame.scene_lobes & kLobeNested) != 0u; }
 
+// True if shadow rays pass walls of bodies of ior 1: walls.glsl.
+bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeatureWalls) != 0u; }
+
 uvec4 one_body(uint material) { return uvec4(material == kNone ? kNoBody : material, uvec3(kNoBody)); }
 
 #ifdef BIND_SURFACES

@@ -6,8 +6,6 @@
 
 #include "kernels/surface/bodies.glsl"
 
-bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeatureWalls) != 0u; }
-
 const uint kMostWalls = 16u; // most walls that a ray passes: each is a bounce, of which paths have 8 by default
 uint wall_count;
 float wall_distances[kMostWalls]; // along the ray

@@ -54,6 +54,7 @@ void PathReplay::run(PathStage stage, std::uint32_t bounce) {
 
 // Or, where rays are sorted and it escaped, ends the path.
 void PathReplay::shade(std::uint32_t bounce) {
+  if (paths_.config().features & gpu::kFeatureVoxels) run(kCollide, bounce);
   run(kShade, bounce);
   if (paths_.config().sort == gpu::kSortEscapes) run(kEscape, bounce);
 }
@@ -85,6 +86,8 @@ ShadowTrace PathReplay::connect(std::uint32_t bounce, std::uint32_t light_sample
 PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived) {
   if (!is_finite(vertex.radiance)) return PathEnd::nonfinite;
   if (vertex.hit.triangle == gpu::kNone) return PathEnd::escaped;
+  if (vertex.hit.triangle == gpu::kScattered && bounce == workspace_.frame.max_depth) return PathEnd::depth;
+  if (vertex.hit.triangle == gpu::kScattered) return PathEnd::roulette;
   const gpu::Triangle& triangle = workspace_.scene.triangles[vertex.hit.triangle];
   const gpu::Material& material = workspace_.scene.materials[triangle.surface & gpu::kTriangleMaterialMask];
   if (material.flags & gpu::kMaterialUnlit) return PathEnd::unlit;
@@ -126,8 +129,8 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     PathVertex& vertex = trace.vertices.emplace_back();
     vertex.ray = download<gpu::Ray>(paths_.buffers[kRays], 1, (bounce & 1) * sizeof(gpu::Ray)).front();
     run(kExtend, bounce);
-    vertex.hit = download<gpu::Hit>(paths_.buffers[kHits], 1).front();
     shade(bounce);
+    vertex.hit = download<gpu::Hit>(paths_.buffers[kHits], 1).front();
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
     const gpu::Queues counts = queues();

@@ -23,7 +23,7 @@ void PathTracer::change(const View&, const RenderPlan& settings, TemporalHistory
     guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
     guided_need_.config.features |= gpu::kFeatureGuide;
     guide_training_need_ =
-        path_need(kGuideTrainingProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
+        path_need(kGuideTrainingProgram, stage_bits({kCollide, kShade, kEscape, kGuideNote}), guided_need_.config);
     guide_training_need_.config.features |= gpu::kFeatureTraining;
     guide_training_need_.config.sky = gpu::kSkyByPaths; // it trains on the light that paths find themselves
     kernels_.start(guide_training_need_);
@@ -90,7 +90,7 @@ void PathTracer::describe(RenderResult& result) const {
 
 std::uint32_t PathTracer::timed_dispatches() const {
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
-  return std::min(2 + bounces * 7 + 2 * paths_.sampling().most_rays(bounces), 1024u); // upper bound for all bounces
+  return std::min(2 + bounces * 8 + 2 * paths_.sampling().most_rays(bounces), 1024u); // upper bound for all bounces
 }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {

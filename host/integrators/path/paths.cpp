@@ -12,6 +12,7 @@
 #include "kernels/film/cover_types.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
+#include "kernels/path/collide.spv.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/connect_layered.spv.h"
 #include "kernels/path/connect_layered_query.spv.h"
@@ -34,6 +35,7 @@ const std::array<KernelCode, kPathStageCount> kStages = {
     {{"generate", wavepath_generate_spv},
      {"advance", wavepath_advance_spv},
      {"extend", wavepath_extend_spv, {}, wavepath_extend_query_spv},
+     {"collide", wavepath_collide_spv},
      {"shade", wavepath_shade_spv, wavepath_shade_layered_spv},
      {"escape", wavepath_escape_spv, wavepath_escape_layered_spv},
      {"connect", wavepath_connect_spv, wavepath_connect_layered_spv, wavepath_connect_query_spv,
@@ -44,7 +46,7 @@ const std::array<KernelCode, kPathStageCount> kStages = {
 
 // Shade takes as long to compile as all others together.
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
-    kShade, kExtend, kConnect, kEscape, kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
+    kShade, kExtend, kCollide, kConnect, kEscape, kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
 
 // True if paths store the vertex where they were scattered: see the function of this name in
 // kernels/path/receiver.glsl. Light paths store which soft lamp they began at.
@@ -133,6 +135,7 @@ const KernelProgram kGuideTrainingProgram = {kStages, kCompileOrder, path_layout
 
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config) {
   if (config.sort != gpu::kSortEscapes) stages &= ~stage_bits({kEscape});
+  if (!(config.features & gpu::kFeatureVoxels)) stages &= ~stage_bits({kCollide});
   if (config.reuse == gpu::kReuseNone) stages &= ~stage_bits({kReuse});
   return {&program, stages, config};
 }
@@ -225,6 +228,12 @@ void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave,
 
 void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
                   std::uint32_t bounce) const {
+  if (shading.config().features & gpu::kFeatureVoxels) {
+    commands.barrier();
+    wave.bounce = bounce;
+    const bool trains = (shading.config().features & gpu::kFeatureTraining) != 0;
+    commands.dispatch_indirect((trains ? shading : kernels)[kCollide], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
+  }
   const std::uint32_t sort = shading.config().sort;
   std::size_t groups = offsetof(gpu::Queues, extend_groups);
   if (sort != gpu::kSortNone) {

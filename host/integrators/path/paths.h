@@ -20,6 +20,7 @@ enum PathStage : std::size_t {
   kGenerate,
   kAdvance,
   kExtend,
+  kCollide, // in scenes with a volume
   kShade,
   kEscape,
   kConnect,
@@ -36,7 +37,7 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
 // Stages from a first hit on.
 inline constexpr std::uint32_t kLightingStages = stage_bits({kAdvance, kExtend, kShade, kConnect});
 inline constexpr std::uint32_t kAllPathStages =
-    stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
+    stage_bits({kGenerate, kAdvance, kExtend, kCollide, kShade, kEscape, kConnect, kReuse,
                 kAccumulate}); // stages of a path tracer that is not training
 
 extern const KernelProgram kPathProgram;

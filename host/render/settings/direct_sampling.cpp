@@ -48,7 +48,7 @@ RenderPlan with_most_sky(RenderPlan settings, gpu::Feature scene) {
 bool may_sample_sky(const RenderPlan& settings, gpu::Feature scene) {
   return supports(*settings.integrator, "sky-samples") && settings.direct == gpu::kDirectMis &&
          settings.max_depth > 0 && (scene & gpu::kFeatureEnvironment) &&
-         !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes | gpu::kLobeScattering));
+         !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes | gpu::kLobeScattering | gpu::kFeatureVoxels));
 }
 
 bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayered | gpu::kFeatureLightTree)); }

@@ -15,6 +15,7 @@ bool reuses_paths(const RenderPlan& settings) { return settings.reuse == kReuseO
 
 bool tries_reuse(const RenderPlan& settings, gpu::Feature scene) {
   const bool trains = scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap);
+  if (scene & gpu::kFeatureVoxels) return false; // neighbours look through other parts of a volume
   return may_reuse_paths(settings) && settings.kernels.reuse >= (trains ? BearsReuse::anywhere : BearsReuse::untrained);
 }
 

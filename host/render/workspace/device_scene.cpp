@@ -12,6 +12,7 @@
 #include "host/render/workspace/query_scene.h"
 #include "kernels/base/light_tree_types.h"
 #include "kernels/base/scene_types.h"
+#include "kernels/volume/voxel_types.h"
 
 namespace wavepath {
 namespace {
@@ -144,6 +145,11 @@ DeviceScene take_kept(DeviceScene kept, const PackedScene& scene, const KeptPart
     lend(kept.environment, bytes_of(scene.environment));
     lend(kept.environment_ends, bytes_of(scene.environment_ends));
   }
+  if (!scene.voxels) kept.volume = Buffer{};
+  if (!scene.voxels || !parts.voxels) {
+    kept.volume_grid = Buffer{};
+    kept.voxels = Buffer{};
+  }
   if (!parts.lights) {
     kept.lights = Buffer{};
     kept.light_tree = Buffer{};
@@ -188,6 +194,12 @@ std::vector<Binding> atlas_bindings(const AtlasImages& images) {
   return bindings;
 }
 
+std::vector<Binding> volume_bindings(const Buffer* volume, const Buffer* grid, const Buffer* voxels) {
+  return {{gpu::kBindVolume, BindingKind::uniform, volume},
+          {gpu::kBindVolumeGrid, BindingKind::texels_rg32ui, grid},
+          {gpu::kBindVoxels, BindingKind::texels_r32f, voxels}};
+}
+
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query) {
   return upload_next_scene(device, scene, by_query, {}, {});
 }
@@ -214,11 +226,17 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
              std::min(4 * info.max_texels(4), info.max_allocation));
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_parts), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
+  if (scene.voxels) {
+    check_fits(info, "voxels", bytes_of(scene.voxels->voxels), std::min(4 * info.max_texels(4), info.max_allocation));
+    check_fits(info, "bricks of voxels", bytes_of(scene.voxels->grid),
+               std::min(8 * info.max_texels(8), info.max_allocation));
+  }
   const std::uint64_t total =
       node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) + bytes_of(scene.triangle_vertices) +
       bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) +
       bytes_of(scene.texels) + bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
-      bytes_of(scene.light_parts) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes();
+      bytes_of(scene.light_parts) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes() +
+      (scene.voxels ? scene.voxels->bytes() : 0);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
@@ -271,6 +289,13 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
     renew(device, scene.environment, result.environment);
     renew(device, scene.environment_ends, result.environment_ends);
   }
+  if (scene.voxels) {
+    renew(device, std::vector{scene.volume}, result.volume);
+    if (!kept.voxels) {
+      renew(device, scene.voxels->grid, result.volume_grid);
+      renew(device, scene.voxels->voxels, result.voxels);
+    }
+  }
   if (!kept.lights) {
     result.lights = upload(device, light_words(scene));
     result.light_tree = upload(device, scene.light_tree);
@@ -303,6 +328,8 @@ std::vector<Binding> DeviceScene::bindings() const {
                    .kind = texels_r32ui,
                    .buffer = page < texels.size() ? &texels[page] : &srgb_table,
                    .is_small = true});
+  if (volume.handle())
+    for (const Binding& binding : volume_bindings(&volume, &volume_grid, &voxels)) all.push_back(binding);
   if (atlases[0])
     for (const Binding& binding : atlas_bindings(atlases)) all.push_back(binding);
   return all;
@@ -318,7 +345,7 @@ std::uint64_t DeviceScene::other_bytes() const {
   for (const auto& atlas : atlases) texel_bytes += atlas ? atlas->bytes() : 0;
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
          materials.bytes() + textures.bytes() + texel_bytes + srgb_table.bytes() + lights.bytes() + light_tree.bytes() +
-         environment.bytes() + environment_ends.bytes();
+         environment.bytes() + environment_ends.bytes() + volume.bytes() + volume_grid.bytes() + voxels.bytes();
 }
 
 } // namespace wavepath

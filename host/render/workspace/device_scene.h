@@ -21,10 +21,14 @@ AtlasImages upload_atlases(Device& device, const Atlases& atlases);
 // Bindings of kernels with kFeatureSampledTextures, besides DeviceScene::bindings(). Null images give the layout alone.
 std::vector<Binding> atlas_bindings(const AtlasImages& images);
 
+// Bindings of kernels with kFeatureVoxels, besides DeviceScene::bindings(). Null buffers give the layout alone.
+std::vector<Binding> volume_bindings(const Buffer* volume, const Buffer* grid, const Buffer* voxels);
+
 struct DeviceScene {
   Buffer nodes; // BVH nodes; for ray queries, QueryScene::items
   Buffer triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
+  Buffer volume, volume_grid, voxels; // see PackedVoxels; empty without a volume
   std::optional<QueryStructures> queries; // structures for ray queries; empty: kernels traverse `nodes`
   std::vector<Buffer> texels;             // pages of 1 << gpu::kTexelPageShift words; at least one page
   AtlasImages atlases;                    // null unless the device's samplers look textures up

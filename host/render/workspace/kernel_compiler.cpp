@@ -31,7 +31,8 @@ gpu::Feature generic_features(gpu::Feature scene) {
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
                    gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
-                   gpu::kFeatureLightProfiles | gpu::kFeatureLightGroups | gpu::kFeatureCover));
+                   gpu::kFeatureLightProfiles | gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels |
+                   gpu::kFeatureFire));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -57,7 +58,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   // A path that leaves the scene sees the environment, and ends a record on which guiding trains.
   const bool escapes =
       settings.guide || features & (gpu::kFeatureEnvironment | gpu::kFeatureSoftLamps | gpu::kFeatureCover);
-  const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
+  const bool sorts = settings.integrator->sorts_hits && !(features & gpu::kFeatureVoxels); // which decide later
+  const std::uint32_t sort = !sorts                           ? gpu::kSortNone
                              : escapes                        ? gpu::kSortEscapes
                                                               : gpu::kSortHits;
   const std::uint32_t terminator =

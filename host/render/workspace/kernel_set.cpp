@@ -44,7 +44,7 @@ bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
 // Bindings are what a set of other kernels cannot do with more or fewer of.
 bool KernelNeed::covers(const KernelNeed& need) const {
   if ((config.features ^ need.config.features) &
-      (gpu::kFeatureSampledTextures | gpu::kFeatureLightGroups | gpu::kFeatureCover))
+      (gpu::kFeatureSampledTextures | gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels))
     return false;
   // Nor are stages mixed, of which some keep samplers and some look for them.
   if ((config.features ^ need.config.features) & gpu::kFeatureAdaptive) return false;
@@ -109,6 +109,8 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
   constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
   if (config().features & gpu::kFeatureLightGroups)
     for (const Binding& binding : group_layout()) slots.push_back(binding);
+  if (config().features & gpu::kFeatureVoxels)
+    for (const Binding& binding : volume_bindings(nullptr, nullptr, nullptr)) slots.push_back(binding);
   const std::size_t buffers = slots.size();
   const bool samples = (config().features & gpu::kFeatureSampledTextures) != 0;
   std::optional<Buffer> dummy;

@@ -73,6 +73,13 @@ gpu::Feature material_features(const Scene& scene, const Usage& usage) {
   return features;
 }
 
+// Bodies displace the volume, so that paths have to know which ones they are in; shadow rays then pass no walls.
+gpu::Feature volume_features(const Scene& scene, const Usage& usage, bool has_volume) {
+  if (!has_volume) return 0;
+  return gpu::kFeatureVoxels | bit_if(scene.volume->shines(), gpu::kFeatureFire) |
+         bit_if(any_used_material(scene, usage, [](const Material& m) { return is_body(m); }), gpu::kFeatureVolume);
+}
+
 gpu::Feature light_features(const PackedScene& packed) {
   gpu::Feature features = 0;
   for (const gpu::Light& light : packed.lights) {
@@ -110,7 +117,9 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
          bit_if((flags & gpu::kTrianglePane) && !packed.lights.empty(), gpu::kFeaturePanes) |
-         bit_if(any_used_material(scene, usage, may_be_wall) && !packed.lights.empty(), gpu::kFeatureWalls) |
+         bit_if(any_used_material(scene, usage, may_be_wall) && !packed.lights.empty() && !packed.voxels,
+                gpu::kFeatureWalls) |
+         volume_features(scene, usage, packed.voxels != nullptr) |
          bit_if(flags & gpu::kTriangleSingleSided, gpu::kFeatureCull) |
          bit_if(flags & gpu::kTriangleSmooth, gpu::kFeatureSmoothNormals) |
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
@@ -133,7 +142,9 @@ gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
                 gpu::kFeatureAlpha) |
          bit_if(sampled && any(may_be_pane), gpu::kFeaturePanes) |
-         bit_if(sampled && any(may_be_wall), gpu::kFeaturePanes | gpu::kFeatureWalls) |
+         bit_if(sampled && any(may_be_wall), gpu::kFeaturePanes) |
+         bit_if(sampled && any(may_be_wall) && !scene.volume, gpu::kFeatureWalls) |
+         volume_features(scene, usage, scene.volume.has_value()) |
          bit_if(any([](const Material& m) {
                   return !m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f);
                 }),
@@ -178,6 +189,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"transmission", "no material in use transmits light", 0, gpu::kFeatureTransmission},
       {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0,
        gpu::kFeatureVolume},
+      {"volume of voxels", "the scene has none", 0, gpu::kFeatureVoxels},
+      {"black bodies in the volume", "no part of a volume is hot", 0, gpu::kFeatureFire},
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},

@@ -203,6 +203,16 @@ void take_environment(PackMemory& memory, PackedScene& packed) {
   packed.environment_ends = std::move(before.environment_ends);
 }
 
+// The volume, whose voxels are those of the memory if they come from the same grids. A volume without density is none.
+void pack_volume(const Scene& scene, PackMemory& memory, PackedScene& packed) {
+  if (!scene.volume) return;
+  std::shared_ptr<const PackedVoxels> before = std::move(memory.packed.voxels);
+  memory.kept.voxels = before && before->grids == scene.volume->grids;
+  packed.voxels = memory.kept.voxels ? std::move(before) : pack_voxels(scene.volume->grids);
+  packed.volume = volume_frame(*scene.volume, *packed.voxels, packed.origin);
+  if (packed.voxels->cells.x == 0 || !(packed.volume.extinction > 0.0f)) packed.voxels.reset();
+}
+
 void take_lights(PackMemory& memory, PackedScene& packed) {
   PackedScene& before = memory.packed;
   packed.lights = std::move(before.lights);
@@ -553,6 +563,7 @@ PackedScene pack_scene(Scene& scene, const Packing& packing, PackMemory* memory)
   take_environment(before, packed); // of another one, the memory
   if (!kept.environment) before.environment = pack_environment(scene.environment, packing.direct, packed);
   kept.surfaces = same_materials && kept.environment;
+  pack_volume(scene, before, packed);
 
   place_catcher(scene, layout.material_index, packed);
   const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);

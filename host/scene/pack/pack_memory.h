@@ -29,6 +29,7 @@ struct KeptParts {
   std::vector<ArrayRange> moved_vertices; // of normals
   bool marks = false;                     // in triangles and instances, which lights they are
   bool lights = false;
+  bool voxels = false;
 };
 
 // What of a material decides about triangles: which of them are packed, how rays meet them, which vertices they have.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "bvh/build.h"
 #include "host/scene/material.h"
 #include "host/scene/pack/atlas.h"
+#include "host/scene/pack/volume.h"
 #include "kernels/base/features.h"
 #include "kernels/base/scene_types.h"
 
@@ -121,6 +123,9 @@ struct PackedScene {
   std::vector<glm::vec4> environment; // radiance, probability of the texel
   // Intervals of the rows, then of the columns of each; their cuts in the same order (see intervals.h).
   std::vector<std::uint32_t> environment_ends;
+
+  std::shared_ptr<const PackedVoxels> voxels; // null without a volume
+  gpu::VolumeFrame volume{};
 
   gpu::Feature features = 0; // kFeature and kLobe bits
   std::vector<LeftOut> left_out;

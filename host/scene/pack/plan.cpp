@@ -8,6 +8,7 @@
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
 #include "host/scene/pack/vertices.h"
+#include "host/scene/pack/volume.h"
 
 namespace wavepath {
 namespace {
@@ -60,10 +61,12 @@ ScenePlan plan(const Scene& scene, const Packing& packing) {
   const std::uint64_t local_lights = count_emitters(scene, usage) + cut.shining + scene.lights.size();
   plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
+  if (scene.volume) plan.voxel_bytes = voxel_bytes(*scene.volume->grids);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
     plan.smooth_surfaces |= usage.material_used[m] && is_smooth(scene.materials[m]);
   plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? std::max(stream, normals) : 0,
-                                  texels, atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes});
+                                  texels, atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes,
+                                  plan.voxel_bytes});
   return plan;
 }
 

@@ -1,0 +1,37 @@
+// The volume as kernels read it (kernels/volume): its bricks, and cells that bound the densities in them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/volume.h"
+#include "kernels/volume/voxel_types.h"
+
+namespace wavepath {
+
+// What does not depend on where the volume is, nor on its coefficients.
+struct PackedVoxels {
+  std::shared_ptr<const VolumeGrids> grids; // of which it was made
+  glm::ivec3 first{0};                      // voxel at the low corner of the cells' box
+  std::uint32_t cell_side = 1;              // of a cell, in voxels
+  glm::uvec3 cells{0};                      // number along x, y, z; 0: every voxel is 0
+  std::vector<glm::uvec2> grid;             // as kBindVolumeGrid has it
+  std::vector<float> voxels;                // as kBindVoxels has it, colours of black bodies included
+  gpu::VoxelBox density{}, temperature{};
+  std::uint32_t first_kelvin = 0;
+
+  std::uint64_t bytes() const { return grid.size() * sizeof(glm::uvec2) + voxels.size() * sizeof(float); }
+};
+
+std::shared_ptr<const PackedVoxels> pack_voxels(const std::shared_ptr<const VolumeGrids>& grids);
+
+// `origin`: world position of the device's origin.
+gpu::VolumeFrame volume_frame(const Volume& volume, const PackedVoxels& packed, const glm::dvec3& origin);
+
+// Bytes of pack_voxels(), before they are there.
+std::uint64_t voxel_bytes(const VolumeGrids& grids);
+
+} // namespace wavepath

@@ -1,0 +1,44 @@
+// Vertices of paths within the volume. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_PATHS and BIND_RAYS,
+// and kernels/volume/bindings.glsl first.
+#ifndef WAVEPATH_PATH_VOLUME_VERTEX_GLSL
+#define WAVEPATH_PATH_VOLUME_VERTEX_GLSL
+
+#include "kernels/base/dimensions.glsl"
+#include "kernels/path/bodies.glsl"
+#include "kernels/surface/surface.glsl"
+#include "kernels/volume/collision.glsl"
+#include "kernels/volume/phase.glsl"
+
+// Metres to what the ray has hit.
+float end_of_ray(Ray ray, Hit hit) {
+  return hit.triangle == kNone ? ray.t_max : length(fetch_surface(hit).position - ray.origin);
+}
+
+// Tracks the ray through the volume. True: the path is scattered, and its next ray is `next`. A path within a body passes
+// none of it.
+bool scatter_in_volume(Ray ray, float end, Sampler path_sampler, inout PathState path, out Ray next) {
+  if (is_in_body(ray.slot)) return false;
+  begin_random(path_sampler, wave.bounce, kWalkOfPath);
+  vec3 shines = vec3(0.0);
+  float distance_;
+  bool is_scattered = collide(ray.origin, ray.direction, end, sample_2d(path_sampler, kDimensionVolume + wave.bounce),
+                              path.throughput, shines, distance_);
+  if (HAS_FIRE) add_radiance(path, ray.slot, shines);
+  if (!is_scattered) return false;
+  vec2 u = sample_2d(path_sampler, bounce_dimension(wave.bounce) + kDimensionDirection);
+  vec3 direction = sample_phase(volume.anisotropy, ray.direction, u);
+  next = Ray(ray.origin + distance_ * ray.direction, ray.slot, direction, kFar);
+  return true;
+}
+
+// Russian roulette as within bodies that scatter (medium.glsl).
+bool survives_volume(Sampler path_sampler, inout PathState path) {
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
+  if (survival < 1.0 && wave.bounce > 1u) {
+    if (!(sample_2d(path_sampler, bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
+    path.throughput /= survival;
+  }
+  return max_component(path.throughput) > 0.0;
+}
+
+#endif
