@@ -12,6 +12,7 @@
 #define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/records.glsl"
+#include "kernels/bidirectional/volume_edge.glsl"
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
@@ -34,7 +35,7 @@ void main() {
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  vec3 light = ray.contribution * light_passed();
+  vec3 light = ray.contribution * light_passed() * volume_passed(ray, slot_sampler(ray.slot));
   path.radiance += light;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);

@@ -21,12 +21,12 @@
 #define BIND_MERGE_WEIGHTS
 #define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/found_light.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/merging.glsl"
 #include "kernels/bidirectional/receiver.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
-#include "kernels/light/lamp_search.glsl"
 #include "kernels/path/cover.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/first_hit.glsl"
@@ -47,19 +47,11 @@ vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
   return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
 }
 
-// Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked
-// to connect to; `start_pdf`: with which a light path begins there and takes the path's last edge; `merged`: see
-// merging.glsl.
-float hit_weight(PathWeights weights, float connect_pdf, float start_pdf, float merged) {
-  if (wave.bounce == 0u) return 1.0;
-  float to_light = uses_technique(kTechniqueLight) ? square(connect_pdf) * weights.connect : 0.0;
-  return 1.0 / (1.0 + to_light + square(start_pdf) * (weights.others + merged));
-}
-
-// True if the light that the path met could have been found from the vertex before, by a selection of lights that
-// depends on that vertex.
-bool was_chosen_there(PathWeights weights) {
-  return uses_light_tree() && wave.bounce > 0u && weights.connect > 0.0;
+// True if light that leaves v towards `wi` is within a body.
+bool runs_in_body(Vertex v, vec3 wi, uint slot) {
+  if (!has(kFeatureVolume)) return false;
+  bool crossing = is_below(v, wi) && !v.bsdf.thin;
+  return (crossing ? body_behind(v, slot) : current_body(slot)) != kNone;
 }
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
@@ -85,6 +77,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
       offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = light.distant ? kFar : 1.0;
+  if (HAS_VOXELS && runs_in_body(v, light.direction, slot)) ray.t_max = behind_t_max(ray.t_max);
   return true;
 }
 
@@ -146,6 +139,7 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
   c.direction =
       offset_ray_origin(target.position, target.position_error, target.geometric_normal, -to_target) - c.origin;
   c.slot = slot;
+  c.in_body = HAS_VOXELS && runs_in_body(v, to_target, slot) ? 1u : 0u;
   c.pixel = 0u;
   return true;
 }
@@ -175,7 +169,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe
   path.eta_scale *= s.eta_scale;
-  float survival = sqrt(max_component(path.throughput) * path.eta_scale); // a larger one, as in path/shade.comp, gains
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale)); // a larger one, as in path/shade.comp, gains
                                                                           // nothing
   if (survival < 1.0 && wave.bounce > 1u) {
     if (!(u_choice.y < survival)) return false;
@@ -187,38 +181,6 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi,
             kFar);
   return true;
-}
-
-void add_radiance(inout PathState path, uint slot, vec3 radiance) {
-  path.radiance += radiance;
-  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[slot].emission += radiance;
-}
-
-// Adds a soft lamp that the path has met after `distance_` metres.
-void add_lamp(Ray ray, uint index, float distance_, float merged, inout PathState path) {
-  Light light = fetch_light(index);
-  PathWeights weights = fetch_weights(ray.slot);
-  float pdf = light.probability * lamp_pdf(light, ray.origin);
-  if (was_chosen_there(weights)) pdf *= light_ratio(fetch_receiver(ray.slot), index);
-  vec3 radiance = path.throughput * lamp_radiance(light, -ray.direction, distance_);
-  if (has(kFeatureVolume)) radiance *= medium_transmittance(current_body(ray.slot), distance_);
-  radiance *= hit_weight(weights, pdf, lamp_start_pdf(light, ray.origin), merged);
-  add_radiance(path, ray.slot, radiance);
-  if (HAS_LIGHT_GROUPS) add_to_group(group_of_light(index), ray.slot, radiance);
-}
-
-// Soft lamps on the way, as in path/lamps.glsl; directional ones where `end` is kFar.
-void meet_lamps(Ray ray, float end, inout PathState path) {
-  if (!has_lobe(kFeatureSoftLamps) || !has_soft_lamps()) return;
-  if (wave.bounce == 0u || !uses_technique(kTechniqueHit)) return;
-  float merged = merge_met_light(fetch_merge(ray.slot), path.bsdf_pdf);
-  LampSearch search = begin_lamp_search();
-  uint met;
-  float distance_;
-  while (next_lamp(search, ray.origin, ray.direction, end, met, distance_))
-    if (distance_ < end) add_lamp(ray, met, distance_, merged, path);
-  for (uint i = frame.local_light_count; i < frame.light_count && end == kFar; ++i)
-    if (is_in_cone(fetch_light(i), ray.direction)) add_lamp(ray, i, kFarAway, merged, path);
 }
 
 // Sums of weights on arrival at the surface. A camera path begins with the density of the camera's own rays.
@@ -255,6 +217,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   // A ray that left the scene.
   if (hit.triangle == kNone) {
     if (hits) meet_lamps(ray, kFar, path);
+    if (hits) meet_distant_lamps(ray, path);
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
     if (!hits) {
       if (COVERS) note_escape(slot, path.throughput, vec3(0.0));
@@ -311,6 +274,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     if (HAS_LIGHT_GROUPS) add_to_group(group_of_surface(hit, surface.material), slot, light);
   }
 
+  // A path that the volume has scattered is found from this end alone: no other way to find it counts.
+  bool is_clouded = HAS_VOXELS && path.eta_scale < 0.0;
+  if (is_clouded) weights = PathWeights(0.0, 0.0);
+
   // Connections to a light and to the light path, and the next ray.
   if (wave.bounce >= frame.max_depth) return;
   Sampler path_sampler = slot_sampler(slot);
@@ -319,7 +286,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     store_receiver(slot, v);
     if (uses_technique(kTechniqueLight))
       wants.shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, weights, shadow);
-    if (uses_technique(kTechniqueConnect))
+    if (uses_technique(kTechniqueConnect) && !is_clouded)
       wants.connection = connect_to_light_path(v, slot, path.throughput, weights, connection);
   }
   wants.ray = scatter(v, path_sampler, dimension, slot, path, weights, merge, next);
@@ -332,6 +299,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
 void shade(uint index, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {
   wants = Wants(false, false, false);
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  if (HAS_VOXELS && fetch_hit(index).triangle == kScattered) return; // bidirectional_collide has done it
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   follow(ray, fetch_hit(index), path, wants, next, shadow, connection);

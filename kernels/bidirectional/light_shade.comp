@@ -60,6 +60,7 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
 
   c.origin = origin;
   c.slot = slot;
+  c.in_body = HAS_VOXELS && has(kFeatureVolume) && body_at_eye() != kNone ? 1u : 0u;
   c.direction =
       offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, -to_point) - origin;
   c.triangle = hit.triangle;

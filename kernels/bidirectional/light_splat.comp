@@ -13,6 +13,7 @@
 #define BIND_GROUPS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/records.glsl"
+#include "kernels/bidirectional/volume_edge.glsl"
 #include "kernels/film/splat.glsl"
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/nonfinite.glsl"
@@ -37,7 +38,7 @@ void main() {
   begin_shadow();
   uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
-  vec3 light = ray.contribution * light_passed();
+  vec3 light = ray.contribution * light_passed() * volume_passed(ray, slot_sampler(ray.slot));
   if (max_component(light) < kLargestSplat) {
     splat(pixel * kReplicates + slot_sample(ray.slot) % kReplicates, light);
     if (HAS_LIGHT_GROUPS) splat(band_pixels * kReplicates + pixel * group_count() + ray.group, light);

@@ -8,6 +8,8 @@
 #include "kernels/bidirectional/scattering.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/volume/bindings.glsl"
+#include "kernels/volume/transmittance.glsl"
 
 // Vertex where the ray met a surface; `cosine`: of the ray there. False if no camera path would find the light there.
 bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out float cosine, out PathWeights weights) {
@@ -20,6 +22,10 @@ bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out flo
   v = make_vertex(surface, material, ray.direction);
   if (CULLS_ALL_BACKS && !v.front && is_single_sided(hit)) return false; // no camera path sees this side
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(ray.slot), length(offset));
+  if (HAS_VOXELS && !is_in_body(ray.slot)) {
+    begin_random(light_sampler(ray.slot), wave.bounce, kWalkOfLight);
+    path.throughput *= volume_transmittance(ray.origin, ray.direction, length(offset), 1.0);
+  }
   float distance_squared = path.bsdf_pdf != 0.0 ? dot(offset, offset) : 1.0;
   if (path.bsdf_pdf < 0.0) path.throughput *= range_window(path.bsdf_pdf, distance_squared);
   weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);

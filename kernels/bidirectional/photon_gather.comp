@@ -92,7 +92,7 @@ void main() {
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   if (merge_weights[ray.slot] != kMayMerge) return;
   Hit hit = fetch_hit(index);
-  if (hit.triangle == kNone) return;
+  if (hit.triangle == kNone || (HAS_VOXELS && hit.triangle == kScattered)) return;
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   if ((material.flags & kMaterialUnlit) != 0u) return;

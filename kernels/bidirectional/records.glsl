@@ -33,7 +33,7 @@ void store_connection(uint index, Connection c) {
   connection_words[4u * index] = uvec4(floatBitsToUint(c.origin), c.slot);
   connection_words[4u * index + 1u] = uvec4(floatBitsToUint(c.direction), c.triangle);
   connection_words[4u * index + 2u] = uvec4(floatBitsToUint(c.contribution), c.instance);
-  connection_words[4u * index + 3u] = uvec4(c.pixel, c.group, 0u, 0u);
+  connection_words[4u * index + 3u] = uvec4(c.pixel, c.group, c.in_body, 0u);
 }
 Connection fetch_connection(uint index) {
   int texel = int(4u * index);
@@ -43,7 +43,7 @@ Connection fetch_connection(uint index) {
   uvec4 pixel_group = texelFetch(connection_texels, texel + 3);
   return Connection(uintBitsToFloat(origin_slot.xyz), origin_slot.w, uintBitsToFloat(direction_triangle.xyz),
                     direction_triangle.w, uintBitsToFloat(contribution_instance.xyz), contribution_instance.w,
-                    pixel_group.x, pixel_group.y, 0u, 0u);
+                    pixel_group.x, pixel_group.y, pixel_group.z, 0u);
 }
 #endif
 

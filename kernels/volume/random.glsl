@@ -6,7 +6,7 @@
 #include "kernels/base/sampler.glsl"
 
 // Purposes. Each shadow ray of a bounce has one of its own, from kWalkToLight on.
-const uint kWalkOfPath = 0u, kWalkToLamp = 1u, kWalkToLight = 16u;
+const uint kWalkOfPath = 0u, kWalkToLamp = 1u, kWalkOfLight = 2u, kWalkToVertex = 3u, kWalkToLight = 16u;
 
 uint walk_state;
 

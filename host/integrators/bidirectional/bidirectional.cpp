@@ -8,6 +8,7 @@
 #include "host/render/workspace/wave_queue.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/features.h"
+#include "kernels/bidirectional/bidirectional_collide.spv.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_connect_query.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
@@ -42,6 +43,7 @@ enum Stage : std::size_t {
   kPhotonShade,
   kPhotonLink,
   kPhotonGather,
+  kCameraCollide,
   kStageCount
 };
 const std::array<KernelCode, kStageCount> kStages = {
@@ -55,10 +57,11 @@ const std::array<KernelCode, kStageCount> kStages = {
      {"photon clear", wavepath_photon_clear_spv},
      {"photon shade", wavepath_photon_shade_spv, wavepath_photon_shade_layered_spv},
      {"photon link", wavepath_photon_link_spv},
-     {"photon gather", wavepath_photon_gather_spv, wavepath_photon_gather_layered_spv}}};
+     {"photon gather", wavepath_photon_gather_spv, wavepath_photon_gather_layered_spv},
+     {"bidirectional collide", wavepath_bidirectional_collide_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {
-    kCameraShade,       kLightShade,   kLightExtend, kLightSplat, kCameraConnect, kLightGenerate,
-    kConnectionAdvance, kPhotonGather, kPhotonShade, kPhotonLink, kPhotonClear};
+    kCameraShade,   kCameraCollide,     kLightShade,   kLightExtend, kLightSplat, kCameraConnect,
+    kLightGenerate, kConnectionAdvance, kPhotonGather, kPhotonShade, kPhotonLink, kPhotonClear};
 // Limits of the photon passes.
 constexpr std::uint32_t kPhotonWave = 1u << 16; // light paths that are followed at once
 constexpr std::uint32_t kPhotonStages =
@@ -157,6 +160,12 @@ std::uint64_t light_bytes_per_slot(const RenderPlan& settings, bool merges) {
 
 const KernelProgram kBidirectionalProgram = {kStages, kCompileOrder, layout};
 
+KernelNeed bidirectional_need(const KernelConfig& config) {
+  constexpr std::uint32_t kAlways = (1u << kPhotonClear) - 1u;
+  const bool has_volume = (config.features & gpu::kFeatureVoxels) != 0;
+  return {&kBidirectionalProgram, kAlways | (has_volume ? 1u << kCameraCollide : 0), config};
+}
+
 Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
       kernels_(kernels),
@@ -169,8 +178,7 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
 void Bidirectional::change(const View& view, const RenderPlan& settings, TemporalHistory) {
   const PackedScene& scene = workspace_.scene;
   refuse_lobes(scene, kBidirectionalLacks, "bidirectional");
-  need_ = {&kBidirectionalProgram, kBidirectionalStages,
-           kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
+  need_ = bidirectional_need(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings));
   kernels_.start(need_);
   // Photons pass smooth surfaces, not smooth coats; what only one of the two finds must not be shared.
   const bool coated = (scene.features & gpu::kLobeCoat) != 0;
@@ -304,7 +312,7 @@ void Bidirectional::record_links(Commands& commands, const gpu::Wave& wave) {
 }
 
 std::uint32_t Bidirectional::timed_dispatches() const {
-  return std::min(4 + (workspace_.frame.max_depth + 1) * 16, 1024u);
+  return std::min(4 + (workspace_.frame.max_depth + 1) * 17, 1024u);
 }
 
 void Bidirectional::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
@@ -378,6 +386,11 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
+    if (need_.config.features & gpu::kFeatureVoxels) {
+      commands.dispatch_indirect(kernels[kCameraCollide], paths_.buffers[kQueues], offsetof(gpu::Queues, extend_groups),
+                                 &step);
+      commands.barrier();
+    }
     if (merges() && !is_training_ && bounce > 0 &&
         bounce + 2 <= workspace_.frame.max_depth) { // a photon has met two surfaces
       commands.dispatch_indirect(kernels_.best(photon_need_)[kPhotonGather], paths_.buffers[kQueues],

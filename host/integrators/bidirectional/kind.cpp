@@ -29,7 +29,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature feat
   // cost 1.6 of 5.5 user seconds (showcase, 192x108, 12 samples, llvmpipe); waiting costs what packing takes.
   if (settings.lights == gpu::kLightsAuto && walks_light_tree(settings) && features & gpu::kFeatureLightTree) return;
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
-  kernels.start({&kBidirectionalProgram, kBidirectionalStages, config});
+  kernels.start(bidirectional_need(config));
   kernels.start({&kPathProgram, kSharedPathStages, config});
 }
 

@@ -19,6 +19,7 @@
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
+#include "host/scene/pack/features.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
 #include "kernels/hybrid/composite.spv.h"
@@ -203,6 +204,7 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
 Hybrid::~Hybrid() = default;
 
 void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
+  refuse_lobes(workspace_.scene, kHybridLacks, settings.integrator->name);
   if (has_camera_model(view)) refuse_what_is_not_traced(settings, view);
   settings_ = settings;
   make_frame(view, settings, history);

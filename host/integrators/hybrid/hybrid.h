@@ -23,6 +23,8 @@
 
 namespace wavepath {
 
+inline constexpr gpu::Feature kHybridLacks = gpu::kFeatureVoxels; // what no frame can show of a scene
+
 class Denoiser;             // host/integrators/hybrid/denoise.h
 class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h

@@ -19,6 +19,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/scene/pack/features.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -221,7 +222,8 @@ bool has_biased_frames(const RenderPlan& settings) {
          kAntialiasTechniques.find(settings)->is_biased;
 }
 
-std::string unsupported_shadows_reason(const RenderPlan& settings, const PackedScene& scene) {
+std::string unsupported_reason_of(const RenderPlan& settings, const PackedScene& scene) {
+  if (const std::string problem = lacked_lobes(scene, kHybridLacks); !problem.empty()) return problem;
   const ShadowKind* shadows = kShadowTechniques.find(settings);
   return shadows ? unsupported_reason(*shadows, scene) : "";
 }
@@ -300,7 +302,7 @@ constinit const IntegratorKind kHybrid = {
     .rows = technique_rows,
     .check = check,
     .has_effect = has_effect,
-    .unsupported_reason = unsupported_shadows_reason,
+    .unsupported_reason = unsupported_reason_of,
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,

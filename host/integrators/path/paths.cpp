@@ -232,7 +232,8 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
     commands.barrier();
     wave.bounce = bounce;
     const bool trains = (shading.config().features & gpu::kFeatureTraining) != 0;
-    commands.dispatch_indirect((trains ? shading : kernels)[kCollide], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
+    commands.dispatch_indirect((trains ? shading : kernels)[kCollide], buffers[kQueues],
+                               offsetof(gpu::Queues, extend_groups), &wave);
   }
   const std::uint32_t sort = shading.config().sort;
   std::size_t groups = offsetof(gpu::Queues, extend_groups);

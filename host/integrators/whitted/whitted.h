@@ -37,7 +37,7 @@ private:
 
 extern const KernelProgram kWhittedProgram;
 inline constexpr std::uint32_t kWhittedStages = 0xf; // all
-inline constexpr gpu::Feature kWhittedLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
+inline constexpr gpu::Feature kWhittedLacks = gpu::kLobeDispersion | gpu::kLobeScattering | gpu::kFeatureVoxels;
 
 // Number of rays of a sample that are followed at the same time.
 std::uint32_t tree_width(const RenderPlan& settings);

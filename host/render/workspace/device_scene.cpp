@@ -231,12 +231,12 @@ DeviceScene upload_next_scene(Device& device, const PackedScene& scene, bool by_
     check_fits(info, "bricks of voxels", bytes_of(scene.voxels->grid),
                std::min(8 * info.max_texels(8), info.max_allocation));
   }
-  const std::uint64_t total =
-      node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) + bytes_of(scene.triangle_vertices) +
-      bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) +
-      bytes_of(scene.texels) + bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
-      bytes_of(scene.light_parts) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes() +
-      (scene.voxels ? scene.voxels->bytes() : 0);
+  const std::uint64_t total = node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) +
+                              bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
+                              bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
+                              bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
+                              bytes_of(scene.light_parts) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() +
+                              scene.atlases[1].bytes() + (scene.voxels ? scene.voxels->bytes() : 0);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,

@@ -29,10 +29,10 @@ std::uint32_t lens_of(const RenderPlan& settings) {
 gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kFeatureAovsThrough | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
-         (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
-                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
-                   gpu::kFeatureLightProfiles | gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels |
-                   gpu::kFeatureFire));
+         (scene &
+          (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures |
+           gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps | gpu::kFeatureLightProfiles |
+           gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels | gpu::kFeatureFire));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {
@@ -59,9 +59,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const bool escapes =
       settings.guide || features & (gpu::kFeatureEnvironment | gpu::kFeatureSoftLamps | gpu::kFeatureCover);
   const bool sorts = settings.integrator->sorts_hits && !(features & gpu::kFeatureVoxels); // which decide later
-  const std::uint32_t sort = !sorts                           ? gpu::kSortNone
-                             : escapes                        ? gpu::kSortEscapes
-                                                              : gpu::kSortHits;
+  const std::uint32_t sort = !sorts ? gpu::kSortNone : escapes ? gpu::kSortEscapes : gpu::kSortHits;
   const std::uint32_t terminator =
       supports(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   const std::uint32_t clamp =

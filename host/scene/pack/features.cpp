@@ -230,7 +230,9 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
 std::string lacked_lobes(const PackedScene& packed, gpu::Feature lacked) {
   const gpu::Feature found = packed.features & lacked;
   if (!found) return "";
-  const char* what = found & gpu::kLobeDispersion ? "glass that disperses light" : "volumes that scatter light";
+  const char* what = found & gpu::kLobeDispersion   ? "glass that disperses light"
+                     : found & gpu::kLobeScattering ? "volumes that scatter light"
+                                                    : "a volume of voxels";
   return fmt::format("cannot render {}, which the scene has", what);
 }
 

@@ -64,9 +64,9 @@ ScenePlan plan(const Scene& scene, const Packing& packing) {
   if (scene.volume) plan.voxel_bytes = voxel_bytes(*scene.volume->grids);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
     plan.smooth_surfaces |= usage.material_used[m] && is_smooth(scene.materials[m]);
-  plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? std::max(stream, normals) : 0,
-                                  texels, atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes,
-                                  plan.voxel_bytes});
+  plan.largest_buffer =
+      std::max({triangles, corners, nodes, placed, streams.any() ? std::max(stream, normals) : 0, texels,
+                atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes, plan.voxel_bytes});
   return plan;
 }
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <limits>
 
-#include <glm/gtc/matrix_transform.hpp>
 #include <tbb/parallel_for.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "host/scene/blackbody.h"
 #include "host/scene/material.h"
@@ -26,7 +26,8 @@ struct Range {
 };
 
 glm::ivec3 brick_at(const VoxelGrid& grid, std::size_t index) {
-  const std::size_t x = static_cast<std::size_t>(grid.brick_counts.x), y = static_cast<std::size_t>(grid.brick_counts.y);
+  const std::size_t x = static_cast<std::size_t>(grid.brick_counts.x),
+                    y = static_cast<std::size_t>(grid.brick_counts.y);
   return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y))};
 }
 
@@ -62,8 +63,7 @@ void visit(const VoxelGrid& grid, const glm::ivec3& lo, const glm::ivec3& hi, co
   for (int bz = first_brick.z; bz <= last_brick.z; ++bz)
     for (int by = first_brick.y; by <= last_brick.y; ++by)
       for (int bx = first_brick.x; bx <= last_brick.x; ++bx) {
-        const std::size_t b =
-            static_cast<std::size_t>(bx + grid.brick_counts.x * (by + grid.brick_counts.y * bz));
+        const std::size_t b = static_cast<std::size_t>(bx + grid.brick_counts.x * (by + grid.brick_counts.y * bz));
         if (grid.bricks[b] == kNoIndex) {
           take(grid.constants[b]);
           continue;
@@ -88,7 +88,8 @@ void pack_cells(const VoxelGrid& density, PackedVoxels& packed) {
       for (std::uint32_t x = 0; x < n.x; ++x) {
         const glm::ivec3 lo = packed.first + side * glm::ivec3(x, y, z);
         float most = 0.0f, least = std::numeric_limits<float>::max();
-        visit(density, lo, lo + side, [&](float value) { most = std::max(most, value), least = std::min(least, value); });
+        visit(density, lo, lo + side,
+              [&](float value) { most = std::max(most, value), least = std::min(least, value); });
         packed.grid[x + std::size_t{n.x} * (y + std::size_t{n.y} * z)] = {std::bit_cast<std::uint32_t>(most),
                                                                           std::bit_cast<std::uint32_t>(least)};
       }
@@ -156,8 +157,8 @@ std::shared_ptr<const PackedVoxels> pack_voxels(const std::shared_ptr<const Volu
 gpu::VolumeFrame volume_frame(const Volume& volume, const PackedVoxels& packed, const glm::dvec3& origin) {
   const VoxelGrid& density = packed.grids->density;
   gpu::VolumeFrame frame{};
-  const glm::dmat4 index_from_cells = glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(packed.first)),
-                                                 glm::dvec3(packed.cell_side));
+  const glm::dmat4 index_from_cells =
+      glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(packed.first)), glm::dvec3(packed.cell_side));
   const glm::dmat4 world_from_index = volume.world_from_grid * density.grid_from_index;
   const glm::dmat4 world_from_device = glm::translate(glm::dmat4(1.0), origin);
   write_rows(glm::inverse(world_from_index * index_from_cells) * world_from_device, frame.cells_from_world);
