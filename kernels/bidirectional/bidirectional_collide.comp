@@ -38,7 +38,7 @@ bool connect_to_light(vec3 from, vec3 forward, Sampler path_sampler, uint slot, 
   LightSample light = sample_light(Receiver(from, vec3(0.0)),
                                    sample_bits(path_sampler, bounce_dimension(wave.bounce) + kDimensionLight), ratio);
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
-  float density = phase_pdf(volume.anisotropy, dot(forward, light.direction));
+  float density = phase_pdf(volume_anisotropy(), dot(forward, light.direction));
   float by_chance = light.delta || !uses_technique(kTechniqueHit) ? 0.0 : square(density / light.pdf);
   ray.contribution = throughput * density * light.radiance / (light.pdf * (1.0 + by_chance));
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
@@ -64,7 +64,7 @@ bool follow(Ray ray, uint index, inout PathState path, out Ray next, out bool wa
   store_merge(ray.slot, kNeverMerges);
   if (wave.bounce >= frame.max_depth) return false;
   wants_shadow = connect_to_light(next.origin, ray.direction, path_sampler, ray.slot, path.throughput, shadow);
-  path.bsdf_pdf = phase_pdf(volume.anisotropy, dot(next.direction, ray.direction));
+  path.bsdf_pdf = phase_pdf(volume_anisotropy(), dot(next.direction, ray.direction));
   path.eta_scale = -abs(path.eta_scale);
   store_weights(ray.slot, bounded(PathWeights(1.0 / square(path.bsdf_pdf), 0.0)));
   if (uses_light_tree()) receiver_words[ray.slot] = uvec4(floatBitsToUint(next.origin), 0u);

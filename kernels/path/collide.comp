@@ -48,10 +48,11 @@ bool follow(Ray ray, uint index, inout PathState path, out Ray next, out bool wa
   if (COVERS) leave_straight(ray.slot), leave_catcher(ray.slot);
   if (has(kFeatureTraining)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   bool goes_on = wave.bounce < frame.max_depth;
-  if (goes_on) wants_shadow = light_in_medium(ray, next, volume.anisotropy, path, shadow);
+  float g = volume_anisotropy();
+  if (goes_on) wants_shadow = light_in_medium(ray, next, g, path, shadow);
   path.bsdf_pdf = kDirect == kDirectBsdf || frame.light_count == 0u
                       ? -1.0
-                      : phase_pdf(volume.anisotropy, dot(next.direction, ray.direction));
+                      : phase_pdf(g, dot(next.direction, ray.direction));
   goes_on = goes_on && survives_volume(path_sampler, path);
   if (has(kFeatureTraining)) note_unguided(wave.first_pixel + ray.slot, wave.bounce);
   if (has(kFeatureTraining) && !goes_on) note_end(wave.first_pixel + ray.slot, wave.bounce);

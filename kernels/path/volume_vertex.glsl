@@ -9,6 +9,8 @@
 #include "kernels/volume/collision.glsl"
 #include "kernels/volume/phase.glsl"
 
+float volume_anisotropy() { return volume_floats(kVolumeAbsorption).w; }
+
 // Metres to what the ray has hit.
 float end_of_ray(Ray ray, Hit hit) {
   return hit.triangle == kNone ? ray.t_max : length(fetch_surface(hit).position - ray.origin);
@@ -21,12 +23,13 @@ bool scatter_in_volume(Ray ray, float end, Sampler path_sampler, inout PathState
   begin_random(path_sampler, wave.bounce, kWalkOfPath);
   vec3 shines = vec3(0.0);
   float distance_;
-  bool is_scattered = collide(ray.origin, ray.direction, end, sample_2d(path_sampler, kDimensionVolume + wave.bounce),
+  VolumeCoefficients coefficients = fetch_coefficients();
+  bool is_scattered = collide(coefficients, ray.origin, ray.direction, end, sample_2d(path_sampler, kDimensionVolume + wave.bounce),
                               path.throughput, shines, distance_);
   if (HAS_FIRE) add_radiance(path, ray.slot, shines);
   if (!is_scattered) return false;
   vec2 u = sample_2d(path_sampler, bounce_dimension(wave.bounce) + kDimensionDirection);
-  vec3 direction = sample_phase(volume.anisotropy, ray.direction, u);
+  vec3 direction = sample_phase(coefficients.anisotropy, ray.direction, u);
   next = Ray(ray.origin + distance_ * ray.direction, ray.slot, direction, kFar);
   return true;
 }

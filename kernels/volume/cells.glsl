@@ -10,7 +10,8 @@
 // units of the ray's `t`.
 struct CellWalk {
   vec3 origin, direction; // in the space of cells
-  ivec3 cell;
+  ivec3 cell, cells;      // the cell that it is in, and the number of cells along each axis
+  int first_cell;         // texel of the first one
   vec3 exits;  // distances to the planes where the ray leaves the cell
   float start; // t of the entry into the box
   float at, end;
@@ -27,10 +28,12 @@ vec3 exits_of(CellWalk walk) {
 
 // False if the ray misses the box before `t_max`.
 bool begin_walk(vec3 origin, vec3 direction, float t_max, out CellWalk walk) {
-  walk.direction = vec3(dot(volume.cells_from_world[0].xyz, direction), dot(volume.cells_from_world[1].xyz, direction),
-                        dot(volume.cells_from_world[2].xyz, direction));
-  walk.origin = transformed(volume.cells_from_world, origin);
-  vec3 side = vec3(volume.cells);
+  uvec4 cells = volume_words(kVolumeCells);
+  walk.cells = ivec3(cells.xyz);
+  walk.first_cell = int(cells.w);
+  walk.direction = volume_transform(kVolumeCellsFromWorld, direction, 0.0);
+  walk.origin = volume_transform(kVolumeCellsFromWorld, origin, 1.0);
+  vec3 side = vec3(walk.cells);
   float enter = 0.0, leave = t_max;
   for (int axis = 0; axis < 3; ++axis) {
     if (abs(walk.direction[axis]) < 1e-30) {
@@ -43,7 +46,7 @@ bool begin_walk(vec3 origin, vec3 direction, float t_max, out CellWalk walk) {
   }
   if (!(enter < leave)) return false;
   walk.origin += enter * walk.direction;
-  walk.cell = clamp(ivec3(floor(walk.origin)), ivec3(0), ivec3(volume.cells) - 1);
+  walk.cell = clamp(ivec3(floor(walk.origin)), ivec3(0), walk.cells - 1);
   walk.start = enter;
   walk.at = 0.0;
   walk.end = leave - enter;
@@ -56,8 +59,7 @@ float end_of_cell(CellWalk walk) { return max(min(smallest(walk.exits), walk.end
 
 // The largest and the smallest density in the cell.
 vec2 cell_bounds(CellWalk walk) {
-  ivec3 side = ivec3(volume.cells);
-  int texel = int(volume.first_cell) + walk.cell.x + side.x * (walk.cell.y + side.y * walk.cell.z);
+  int texel = walk.first_cell + walk.cell.x + walk.cells.x * (walk.cell.y + walk.cells.y * walk.cell.z);
   return uintBitsToFloat(texelFetch(volume_grid, texel).xy);
 }
 
@@ -67,7 +69,7 @@ bool next_cell(inout CellWalk walk) {
   if (!(walk.at < walk.end)) return false;
   bvec3 leaves = lessThanEqual(walk.exits, vec3(walk.at));
   walk.cell += ivec3(leaves) * ivec3(sign(walk.direction));
-  if (any(lessThan(walk.cell, ivec3(0))) || any(greaterThanEqual(walk.cell, ivec3(volume.cells)))) return false;
+  if (any(lessThan(walk.cell, ivec3(0))) || any(greaterThanEqual(walk.cell, walk.cells))) return false;
   walk.exits = exits_of(walk);
   return true;
 }
@@ -77,6 +79,12 @@ bool next_cell(inout CellWalk walk) {
 vec3 walked_to(CellWalk walk) {
   vec3 lo = vec3(walk.cell);
   return clamp(walk.origin + walk.at * walk.direction, lo, lo + 0.999999);
+}
+
+// The same in coordinates of voxels of density.
+vec3 voxel_point(vec3 cells_point) {
+  vec4 first = volume_floats(kVolumeFirstVoxel);
+  return cells_point * first.w + first.xyz;
 }
 
 #endif

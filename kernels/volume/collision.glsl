@@ -12,15 +12,16 @@ float sum_of(vec3 v) { return v.x + v.y + v.z; }
 // Follows a ray of unit direction. True: it is scattered at `distance_`. Multiplies the throughput, and adds to the
 // radiance what black bodies send along the way. `first`: random numbers of the first collision. Call begin_random()
 // before.
-bool collide(vec3 origin, vec3 direction, float t_max, vec2 first, inout vec3 throughput, inout vec3 radiance,
+bool collide(VolumeCoefficients coefficients, vec3 origin, vec3 direction, float t_max, vec2 first, inout vec3 throughput, inout vec3 radiance,
              out float distance_) {
   distance_ = t_max;
   CellWalk walk;
   if (!begin_walk(origin, direction, t_max, walk)) return false;
+  VoxelBox box = fetch_box(kVolumeDensity);
   float depth = random_depth(first.x), u = first.y;
   vec2 bounds = cell_bounds(walk);
   for (uint steps = 0u; steps < kMostSteps; ++steps) {
-    float most = bounds.x * volume.extinction, leaves = end_of_cell(walk);
+    float most = bounds.x * coefficients.extinction, leaves = end_of_cell(walk);
     float in_cell = most * (leaves - walk.at);
     if (in_cell > depth) {
       walk.at = min(walk.at + depth / most, leaves);
@@ -28,10 +29,10 @@ bool collide(vec3 origin, vec3 direction, float t_max, vec2 first, inout vec3 th
       // The density over the largest one: of the smallest density always 1, with the probability that it has.
       float real = 1.0;
       if (!decide(bounds.y / bounds.x, u))
-        real = clamp((some_density(transformed(volume.density_from_cells, point), u) - bounds.y) /
+        real = clamp((some_density(box, voxel_point(point), u) - bounds.y) /
                          (bounds.x - bounds.y), 0.0, 1.0);
-      vec3 absorbed = volume.absorption / volume.extinction * real;
-      vec3 scattered = volume.scattering / volume.extinction * real;
+      vec3 absorbed = coefficients.absorption / coefficients.extinction * real;
+      vec3 scattered = coefficients.scattering / coefficients.extinction * real;
       if (HAS_FIRE && real > 0.0) radiance += throughput * absorbed * fire_at(point);
       vec3 null = 1.0 - absorbed - scattered;
       float scatters = sum_of(throughput * scattered), passes = sum_of(throughput * max(null, vec3(0.0)));

@@ -18,20 +18,22 @@ const float kFaint = 0.05, kFaintSurvival = 0.25;
 vec3 volume_transmittance(vec3 origin, vec3 direction, float t_max, float metres) {
   CellWalk walk;
   if (!begin_walk(origin, direction, t_max, walk)) return vec3(1.0);
-  vec3 extinction = volume.scattering + volume.absorption, share = extinction / volume.extinction;
+  VolumeCoefficients coefficients = fetch_coefficients();
+  VoxelBox box = fetch_box(kVolumeDensity);
+  vec3 extinction = coefficients.scattering + coefficients.absorption, share = extinction / coefficients.extinction;
   float passed_smallest = 0.0; // integral of the smallest density
   vec3 fraction = vec3(1.0);
   float depth = random_depth(next_random());
   vec2 bounds = cell_bounds(walk);
   for (uint steps = 0u; steps < kMostSteps; ++steps) {
-    float most = (bounds.x - bounds.y) * volume.extinction * metres, leaves = end_of_cell(walk);
+    float most = (bounds.x - bounds.y) * coefficients.extinction * metres, leaves = end_of_cell(walk);
     float in_cell = most * (leaves - walk.at);
     if (in_cell > depth) { // a collision
       float before = walk.at;
       walk.at = min(walk.at + depth / most, leaves);
       passed_smallest += bounds.y * (walk.at - before);
       float u = next_random();
-      float density = some_density(transformed(volume.density_from_cells, walked_to(walk)), u);
+      float density = some_density(box, voxel_point(walked_to(walk)), u);
       fraction *= 1.0 - share * clamp((density - bounds.y) / (bounds.x - bounds.y), 0.0, 1.0);
       float brightest = max_component(fraction);
       if (!(brightest > 0.0)) return vec3(0.0);

@@ -8,8 +8,9 @@
 namespace wavepath::gpu {
 #endif
 
-// Bindings of kernels with kFeatureVoxels.
-GPU_CONSTANT uint kBindVolume = 128u; // uniform VolumeFrame
+// Bindings of kernels with kFeatureVoxels. No uniform block for VolumeFrame: lavapipe (Mesa 22.3) crashed where it put
+// values of one into the code of a kernel.
+GPU_CONSTANT uint kBindVolume = 128u; // texels RGBA32UI: VolumeFrame
 // Texels RG32UI: by cell its largest and smallest density, as floats (cells()); by brick of a grid where its voxels
 // begin, counted in bricks, or kNone and its one value as a float.
 GPU_CONSTANT uint kBindVolumeGrid = 129u;
@@ -31,12 +32,18 @@ struct VoxelBox {
   uint pad;
 };
 
+// Texels of its parts, and their number.
+GPU_CONSTANT uint kVolumeCellsFromWorld = 0u, kVolumeTemperatureFromCells = 3u, kVolumeFirstVoxel = 6u,
+                  kVolumeDensity = 7u, kVolumeTemperature = 9u, kVolumeCells = 11u, kVolumeScattering = 12u,
+                  kVolumeAbsorption = 13u, kVolumeFire = 14u, kVolumeTexels = 15u;
+
 // Three spaces: the world of the device, in metres; cells, whose unit is the edge of one, and whose box the cells fill;
 // and the voxels of a grid.
 struct VolumeFrame {
-  vec4 cells_from_world[3];        // rows of 3x4 matrices
-  vec4 density_from_cells[3];      // to voxels
-  vec4 temperature_from_cells[3];  // to voxels
+  vec4 cells_from_world[3];       // rows of 3x4 matrices
+  vec4 temperature_from_cells[3]; // to voxels
+  vec3 first_voxel;               // of density, at the origin of the cells
+  float cell_side;                // in voxels of density
   VoxelBox density;
   VoxelBox temperature;
   uvec3 cells;      // number along x, y, z
@@ -44,12 +51,12 @@ struct VolumeFrame {
   vec3 scattering;  // 1/m, where the density is 1
   float extinction; // the largest of scattering + absorption among the channels
   vec3 absorption;
-  float anisotropy; // g of Henyey and Greenstein
-  float emission;   // factor on the radiance of black bodies
+  float anisotropy;                  // g of Henyey and Greenstein
+  float emission;                    // factor on the radiance of black bodies
   float kelvin_scale, kelvin_offset; // kelvin = scale * (value - offset)
-  uint first_kelvin; // word of kBindVoxels where their colours begin
+  uint first_kelvin;                 // word of kBindVoxels where their colours begin
 };
-GPU_CHECK(sizeof(VolumeFrame) == 272);
+GPU_CHECK(sizeof(VolumeFrame) == 16 * kVolumeTexels);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -195,7 +195,7 @@ std::vector<Binding> atlas_bindings(const AtlasImages& images) {
 }
 
 std::vector<Binding> volume_bindings(const Buffer* volume, const Buffer* grid, const Buffer* voxels) {
-  return {{gpu::kBindVolume, BindingKind::uniform, volume},
+  return {{gpu::kBindVolume, BindingKind::texels_rgba32ui, volume},
           {gpu::kBindVolumeGrid, BindingKind::texels_rg32ui, grid},
           {gpu::kBindVoxels, BindingKind::texels_r32f, voxels}};
 }

@@ -162,7 +162,8 @@ gpu::VolumeFrame volume_frame(const Volume& volume, const PackedVoxels& packed, 
   const glm::dmat4 world_from_index = volume.world_from_grid * density.grid_from_index;
   const glm::dmat4 world_from_device = glm::translate(glm::dmat4(1.0), origin);
   write_rows(glm::inverse(world_from_index * index_from_cells) * world_from_device, frame.cells_from_world);
-  write_rows(index_from_cells, frame.density_from_cells);
+  frame.first_voxel = glm::vec3(packed.first);
+  frame.cell_side = static_cast<float>(packed.cell_side);
   if (packed.grids->temperature)
     write_rows(glm::inverse(packed.grids->temperature->grid_from_index) * density.grid_from_index * index_from_cells,
                frame.temperature_from_cells);
