@@ -1,0 +1,43 @@
+// NanoVDB files that tests write.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#define NANOVDB_USE_ZIP
+#define NANOVDB_USE_BLOSC
+#include <nanovdb/util/GridBuilder.h>
+#include <nanovdb/util/IO.h>
+
+namespace wavepath::test {
+
+using nanovdb::Coord;
+using nanovdb::CoordBBox;
+using GridHandle = nanovdb::GridHandle<>;
+
+struct GridSpec {
+  std::string name = "density";
+  double voxel = 1.0; // side of a voxel
+  nanovdb::Vec3d origin{0.0};
+  float background = 0.0f;
+  nanovdb::GridClass kind = nanovdb::GridClass::FogVolume;
+};
+
+// A grid with these values within the box, and its background elsewhere.
+template <class Build = float, class Value = float, class Field>
+GridHandle build_grid(const Field& field, const CoordBBox& box, const GridSpec& spec = {}) {
+  nanovdb::GridBuilder<Value, Build> builder(static_cast<Value>(spec.background), spec.kind);
+  builder([&](const Coord& p) { return static_cast<Value>(field(p)); }, box);
+  return builder.getHandle(spec.voxel, spec.origin, spec.name);
+}
+
+template <class... Handles>
+void write_grids(const std::string& path, nanovdb::io::Codec codec, Handles&&... handles) {
+  std::vector<GridHandle> list;
+  (list.push_back(std::forward<Handles>(handles)), ...);
+  nanovdb::io::writeGrids(path, list, codec);
+}
+
+} // namespace wavepath::test
