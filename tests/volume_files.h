@@ -1,7 +1,8 @@
 // NanoVDB files that tests write.
 #pragma once
 
-#include <functional>
+#include <cstdint>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,15 @@ GridHandle build_grid(const Field& field, const CoordBBox& box, const GridSpec& 
   nanovdb::GridBuilder<Value, Build> builder(static_cast<Value>(spec.background), spec.kind);
   builder([&](const Coord& p) { return static_cast<Value>(field(p)); }, box);
   return builder.getHandle(spec.voxel, spec.origin, spec.name);
+}
+
+// The file that io::writeGrid() makes, which wants a stream that can be written beyond its end.
+inline std::vector<std::uint8_t> file_bytes(const GridHandle& handle, nanovdb::io::Codec codec) {
+  std::stringstream stream(std::string(handle.size() + 4096, '\0'));
+  nanovdb::io::writeGrid(static_cast<std::ostream&>(stream), handle, codec);
+  const auto end = static_cast<std::size_t>(stream.tellp());
+  const std::string text = stream.str();
+  return {text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
 template <class... Handles>
