@@ -18,6 +18,7 @@
 #include "host/picture/files/picture_io.h"
 #include "host/scene/gltf/foreign.h"
 #include "host/scene/gltf/gltf.h"
+#include "host/scene/spectrum.h"
 #include "tests/gltf_builder.h"
 
 namespace wavepath {
@@ -346,18 +347,18 @@ TEST(ConvertMitsuba, Lights) {
 }
 
 TEST(Convert, SpectraAsColours) {
-  convert::Spectrum one;
+  Spectrum one;
   one.fill(1.0);
   expect_near(convert::reflected_color(one), glm::dvec3(1.0), 1e-9);
-  EXPECT_NEAR(convert::luminance(convert::light_color(one)), 1.0, 1e-3);
-  expect_near(convert::light_color(one), {1.205, 0.948, 0.909}, 5e-3); // equal energy in Rec. 709
+  EXPECT_NEAR(convert::luminance(light_color(one)), 1.0, 1e-3);
+  expect_near(light_color(one), {1.205, 0.948, 0.909}, 5e-3); // equal energy in Rec. 709
   // 6504 K is nearly white, 2856 K is orange.
-  const glm::dvec3 warm = convert::unit_luminance(convert::light_color(convert::black_body(2856.0)));
-  expect_near(convert::unit_luminance(convert::light_color(convert::black_body(6504.0))), {1.04, 0.98, 1.02}, 0.05);
+  const glm::dvec3 warm = convert::unit_luminance(light_color(black_body(2856.0)));
+  expect_near(convert::unit_luminance(light_color(black_body(6504.0))), {1.04, 0.98, 1.02}, 0.05);
   EXPECT_GT(warm.r, 1.8 * warm.g);
   EXPECT_LT(warm.b, 0.3 * warm.g);
   // 2 h c^2 / lambda^5 / (e^x - 1) at 5000 K and 580 nm.
-  EXPECT_NEAR(convert::black_body(5000.0)[20], 1.2816e4, 1.0e2);
+  EXPECT_NEAR(black_body(5000.0)[20], 1.2816e4, 1.0e2);
   expect_near(convert::named_illuminant("stdillum-D65").value(), glm::dvec3(1.0));
   EXPECT_NEAR(convert::internal_diffuse_reflectance(1.5), 0.5963, 1e-4);
 }
