@@ -17,6 +17,7 @@
 #include "host/render/settings/settings_table.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
+#include "tests/volume_files.h"
 
 namespace wavepath::test {
 namespace {
@@ -64,7 +65,7 @@ TEST(Help, ShowsWhatUsersNeedAndAllOfItWhenAsked) {
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
   EXPECT_GE(flags_in(usual.out), 50u);
-  EXPECT_LE(flags_in(usual.out), 60u);
+  EXPECT_LE(flags_in(usual.out), 61u);
   std::size_t advanced = 0;
   for (const Setting& row : settings_table()) {
     if (!(row.offered & kByRender)) continue;
@@ -319,6 +320,30 @@ TEST(Usage, BadValues) {
   expect_error({"render", kBox, "--exposure", "inf"}, 2, "--exposure");
 }
 
+TEST(Usage, VolumesThatCannotBeAreRefused) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.file("cloud.nvdb"), grid = folder.file("grid.vdb");
+  const auto refused = [&](const std::vector<std::string>& flags, const std::string& why, int exit_code = 2) {
+    std::vector<std::string> line = {"info", kBox, "--volume", cloud};
+    line.insert(line.end(), flags.begin(), flags.end());
+    expect_error(line, exit_code, why);
+  };
+  refused({}, "cloud.nvdb: cannot be read; check that it exists", 1);
+  refused({"--volume", kBox}, "is no NanoVDB file; give a .nvdb", 1);
+  std::ofstream(grid, std::ios::binary) << std::string(" BDV\0\0\0\0", 8) << std::string(64, ' ');
+  refused({"--volume", grid}, "grid.vdb: is a file of OpenVDB; convert it by nanovdb_convert", 1);
+  refused({"--volume", ""}, "--volume: '' names nothing");
+  refused({"--volume-at", "1,2"}, "--volume-at: '1,2' is not three numbers; write it as X,Y,Z or X,Y,Z,SIZE");
+  refused({"--volume-at", "1,2,3,0"}, "has no size that a volume can have");
+  refused({"--volume-at", "1,2,1e16"}, "is too far away");
+  refused({"--volume-density", "-1"}, "--volume-density: '-1'");
+  refused({"--volume-albedo", "1,1,1.5"}, "--volume-albedo: '1,1,1.5' is not within 0 and 1");
+  refused({"--volume-anisotropy", "1"}, "--volume-anisotropy: '1'");
+  refused({"--volume-emission", "nan"}, "--volume-emission: 'nan'");
+  refused({"--volume-temperature", "1,2,3"}, "--volume-temperature");
+  expect_error({"render", kBox, "--volume-density", "2"}, 2, "--volume-density: is about a volume, and none is given");
+}
+
 TEST(Usage, MissingOrExcessArguments) {
   expect_error({}, 2, "no command is given");
   expect_error({"render"}, 2, "SCENE is required");
@@ -359,6 +384,44 @@ TEST(Info, TellsWhatASceneHolds) {
   }
   const Outcome text = run_wavepath({"info", kBox});
   EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
+}
+
+TEST(Info, TellsOfAVolume) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.file("cloud.nvdb");
+  test::GridSpec spec;
+  spec.voxel = 0.5;
+  test::write_grids(cloud, nanovdb::io::Codec::BLOSC,
+                    test::build_grid([](const test::Coord& p) { return static_cast<float>(1 + p[0]); },
+                                     {test::Coord(0), test::Coord(15, 7, 7)}, spec));
+  const std::vector<std::string> flags = {"info",
+                                          kBox,
+                                          "--volume",
+                                          cloud,
+                                          "--volume-at",
+                                          "0,0,0,2",
+                                          "--volume-albedo",
+                                          "0.75,0.75,0.75",
+                                          "--volume-density",
+                                          "4"};
+  std::vector<std::string> asks_json = flags;
+  asks_json.emplace_back("--json");
+  const Outcome json = run_wavepath(asks_json), text = run_wavepath(flags);
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  const auto volume = nlohmann::json::parse(json.out)["volume"];
+  EXPECT_EQ(volume["file"], cloud);
+  EXPECT_EQ(volume["box"], nlohmann::json::parse("[[-1.0, -0.5, -0.5], [1.0, 0.5, 0.5]]"));
+  EXPECT_EQ(volume["scattering"], nlohmann::json::parse("[3.0, 3.0, 3.0]"));
+  EXPECT_EQ(volume["absorption"], nlohmann::json::parse("[1.0, 1.0, 1.0]"));
+  ASSERT_EQ(volume["grids"].size(), 1u);
+  const auto& grid = volume["grids"][0];
+  EXPECT_EQ(grid["name"], "density");
+  EXPECT_EQ(grid["box_voxels"], nlohmann::json::parse("[16, 8, 8]"));
+  EXPECT_EQ(grid["stored_bricks"], 2);
+  EXPECT_EQ(grid["largest"], 16.0);
+  EXPECT_NE(text.out.find("16 x 8 x 8 voxels in 2 bricks, 2 of them stored"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("scatters    3, 3, 3 /m"), std::string::npos) << text.out;
+  EXPECT_EQ(nlohmann::json::parse(run_wavepath({"info", kBox, "--json"}).out)["volume"], nullptr);
 }
 
 TEST(Usage, FlagsOfARenderAreRefusedByName) {

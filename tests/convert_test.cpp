@@ -18,7 +18,9 @@
 #include "host/picture/files/picture_io.h"
 #include "host/scene/gltf/foreign.h"
 #include "host/scene/gltf/gltf.h"
+#include "host/scene/spectrum.h"
 #include "tests/gltf_builder.h"
+#include "tests/volume_files.h"
 
 namespace wavepath {
 namespace {
@@ -267,6 +269,93 @@ TEST(Convert, MediaInBodiesAbsorbAndScatter) {
   expect_near(glm::dvec3(mitsuba.scene.materials[0].scattering), {0.5, 1.0, 2.0}, 1e-3);
 }
 
+// A sphere that is the boundary of a medium.
+std::string boundary(const std::string& medium, double radius) {
+  return "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"" + medium +
+         "\" \"\"\nShape \"sphere\" \"float radius\" " + std::to_string(radius) + "\nAttributeEnd\n";
+}
+
+TEST(ConvertPbrt, MediumOfNanovdb) {
+  const TempFolder folder;
+  test::GridSpec density, temperature;
+  density.voxel = temperature.voxel = 0.25, temperature.name = "temperature";
+  const test::CoordBBox box(test::Coord(-4), test::Coord(3));
+  const std::string source = (folder.path() / "smoke.nvdb").string();
+  test::write_grids(source, nanovdb::io::Codec::ZIP,
+                    test::build_grid([](const test::Coord& p) { return static_cast<float>(5 + p[0]); }, box, density),
+                    test::build_grid([](const test::Coord&) { return 1200.0f; }, box, temperature));
+  const auto text = [](double radius) {
+    return "Camera \"perspective\"\nWorldBegin\nAttributeBegin\nTranslate 0 1 0\nScale 2 2 2\nMakeNamedMedium "
+           "\"smoke\" \"string type\" "
+           "\"nanovdb\" \"string filename\" \"smoke.nvdb\" \"spectrum sigma_a\" [200 0.5 900 0.5] \"rgb sigma_s\" [1 2 "
+           "3] "
+           "\"float scale\" 2 \"float g\" 0.5 \"float Lescale\" 3 \"float temperaturescale\" 4 \"float "
+           "temperatureoffset\" 100\n" +
+           boundary("smoke", radius) + "AttributeEnd\n" + kTriangle;
+  };
+  const Result result = of_pbrt(folder, text(2.0));
+  EXPECT_EQ(lost(result.converted, "sphere as triangles"), 1u);
+  EXPECT_EQ(result.converted.losses.counts().size(), 1u);
+  EXPECT_EQ(result.converted.files.back(), (folder.path() / "out.nvdb").string());
+  EXPECT_EQ(result.scene.instances.size(), 1u) << "the boundary is no surface";
+  ASSERT_TRUE(result.scene.volume);
+  const Volume& volume = *result.scene.volume;
+  expect_near(glm::dvec3(volume.scattering), {2.0, 4.0, 6.0});
+  expect_near(glm::dvec3(volume.absorption), glm::dvec3(1.0), 1e-3);
+  EXPECT_EQ(volume.anisotropy, 0.5f);
+  EXPECT_EQ(volume.emission, 3.0f);
+  EXPECT_EQ(volume.temperature_scale, 4.0f);
+  EXPECT_EQ(volume.temperature_offset, 100.0f);
+  EXPECT_TRUE(volume.shines());
+  // Voxel 0 of the file lies at 0, 1, 0; the world is mirrored along z.
+  const glm::dmat4 world_from_index = volume.world_from_grid * volume.grids->density.grid_from_index;
+  expect_near(glm::dvec3(world_from_index * glm::dvec4(0, 0, 0, 1)), {0.0, 1.0, 0.0});
+  expect_near(glm::dvec3(world_from_index * glm::dvec4(1, 2, 3, 1)), {0.5, 2.0, -1.5});
+  EXPECT_EQ(lost(of_pbrt(folder, text(1.0)).converted, "boundary within a medium of voxels"), 1u);
+}
+
+TEST(ConvertPbrt, MediumOfAUniformGrid) {
+  const TempFolder folder;
+  const Result result =
+      of_pbrt(folder,
+              "WorldBegin\nMakeNamedMedium \"fog\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1 "
+              "\"integer nz\" 3 \"float density\" [1 2 3 4 5 6] \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"rgb "
+              "sigma_a\" [0 0 0] \"rgb sigma_s\" [1 1 1]\n" +
+                  boundary("fog", 3.0) + kTriangle);
+  ASSERT_TRUE(result.scene.volume);
+  const VoxelGrid& density = result.scene.volume->grids->density;
+  ASSERT_EQ(density.brick_counts, glm::ivec3(1));
+  for (std::size_t z = 0; z < 3; ++z)
+    for (std::size_t x = 0; x < 2; ++x)
+      EXPECT_EQ(density.voxels.at(64 * x + z), static_cast<float>(1 + x + 2 * z)); // x is the slowest
+  const glm::dmat4 world_from_index = result.scene.volume->world_from_grid * density.grid_from_index;
+  expect_near(glm::dvec3(world_from_index * glm::dvec4(1, 0, 2, 1)), {0.5, 0.0, 2.0 / 3.0});
+  EXPECT_EQ(lost(result.converted, "boundary"), 0u);
+}
+
+TEST(ConvertPbrt, MediaOfVoxelsThatAreLost) {
+  const TempFolder folder;
+  const auto fog = [](const std::string& name, const std::string& type) {
+    return "MakeNamedMedium \"" + name + "\" \"string type\" \"" + type + "\" \"float density\" [1]\n";
+  };
+  const Result two = of_pbrt(folder, "WorldBegin\n" + fog("a", "uniformgrid") + fog("b", "uniformgrid") +
+                                         boundary("a", 3.0) + boundary("b", 3.0) + boundary("a", 4.0) + kTriangle);
+  EXPECT_EQ(lost(two.converted, "medium of voxels besides the first one"), 1u);
+  const Result cloud = of_pbrt(folder, "WorldBegin\n" + fog("a", "cloud") + boundary("a", 3.0) + kTriangle);
+  EXPECT_FALSE(cloud.scene.volume);
+  EXPECT_EQ(lost(cloud.converted, "medium 'cloud'"), 1u);
+  EXPECT_EQ(lost(cloud.converted, "medium in the air"), 1u);
+  EXPECT_THROW(of_pbrt(folder,
+                       "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" "
+                       "\"absent.nvdb\"\n" +
+                           boundary("m", 1.0)),
+               Error);
+  EXPECT_THROW(of_pbrt(folder,
+                       "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 "
+                       "\"float density\" [1]\n"),
+               Error);
+}
+
 // --- lights ---
 
 TEST(ConvertPbrt, Lights) {
@@ -346,18 +435,18 @@ TEST(ConvertMitsuba, Lights) {
 }
 
 TEST(Convert, SpectraAsColours) {
-  convert::Spectrum one;
+  Spectrum one;
   one.fill(1.0);
   expect_near(convert::reflected_color(one), glm::dvec3(1.0), 1e-9);
-  EXPECT_NEAR(convert::luminance(convert::light_color(one)), 1.0, 1e-3);
-  expect_near(convert::light_color(one), {1.205, 0.948, 0.909}, 5e-3); // equal energy in Rec. 709
+  EXPECT_NEAR(convert::luminance(light_color(one)), 1.0, 1e-3);
+  expect_near(light_color(one), {1.205, 0.948, 0.909}, 5e-3); // equal energy in Rec. 709
   // 6504 K is nearly white, 2856 K is orange.
-  const glm::dvec3 warm = convert::unit_luminance(convert::light_color(convert::black_body(2856.0)));
-  expect_near(convert::unit_luminance(convert::light_color(convert::black_body(6504.0))), {1.04, 0.98, 1.02}, 0.05);
+  const glm::dvec3 warm = convert::unit_luminance(light_color(black_body(2856.0)));
+  expect_near(convert::unit_luminance(light_color(black_body(6504.0))), {1.04, 0.98, 1.02}, 0.05);
   EXPECT_GT(warm.r, 1.8 * warm.g);
   EXPECT_LT(warm.b, 0.3 * warm.g);
   // 2 h c^2 / lambda^5 / (e^x - 1) at 5000 K and 580 nm.
-  EXPECT_NEAR(convert::black_body(5000.0)[20], 1.2816e4, 1.0e2);
+  EXPECT_NEAR(black_body(5000.0)[20], 1.2816e4, 1.0e2);
   expect_near(convert::named_illuminant("stdillum-D65").value(), glm::dvec3(1.0));
   EXPECT_NEAR(convert::internal_diffuse_reflectance(1.5), 0.5963, 1e-4);
 }

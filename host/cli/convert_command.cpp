@@ -55,7 +55,8 @@ Command add_convert(CLI::App& app) {
   CLI::App* command = add_command(
       app, "convert", "make glTF of a scene of pbrt-v4 or Mitsuba 3, and name what is lost",
       "Prints the command that renders the scene as its file says: size, environment, lens. An environment map becomes "
-      "an EXR beside the output, OUT.env.exr. Each thing that glTF cannot say is named on stderr, with its count. "
+      "an EXR beside the output, OUT.env.exr, and a medium of voxels OUT.nvdb. Each thing that glTF cannot say is "
+      "named on stderr, with its count. "
       "docs/convert.md");
   const auto request = std::make_shared<ConvertRequest>();
   require(add_flag(*command, "Scene", {"IN", "FILE", "scene of pbrt-v4 (.pbrt) or Mitsuba 3 (.xml)"},

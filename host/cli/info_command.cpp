@@ -21,6 +21,7 @@
 #include "host/render/report/camera_json.h"
 #include "host/render/report/lamp_extents.h"
 #include "host/render/report/stats.h"
+#include "host/render/report/volume_json.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
@@ -148,6 +149,7 @@ Json describe(const std::string& path, const Scene& scene, const ScenePlan& plan
            {{"punctual", scene.lights.size()},
             {"emissive_triangles", emissive},
             {"environment", scene.environment.present()}}},
+          {"volume", scene.volume ? volume_json(*scene.volume) : Json(nullptr)},
           {"cameras", cameras},
           {"extensions", scene.extensions_used},
           {"variants", scene.variants},
@@ -253,6 +255,27 @@ std::string soft_text(const Json& soft) {
   return fmt::format("{}", fmt::join(extents, ", "));
 }
 
+void print_volume(const Json& volume) {
+  const auto triple = [](const Json& v) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+  };
+  print_out("  volume      {}\n", volume["file"].get<std::string>());
+  for (const Json& grid : volume["grids"])
+    print_out("    grid '{}'\n      {} x {} x {} voxels in {} bricks, {} of them stored; {}; largest value {:.6g}\n",
+              grid["name"].get<std::string>(), grid["box_voxels"][0].get<int>(), grid["box_voxels"][1].get<int>(),
+              grid["box_voxels"][2].get<int>(), grid["bricks"].get<std::uint64_t>(),
+              grid["stored_bricks"].get<std::uint64_t>(), to_size_text(grid["bytes"].get<std::uint64_t>()),
+              grid["largest"].get<double>());
+  print_out("    box         {} to {} m\n", triple(volume["box"][0]), triple(volume["box"][1]));
+  print_out("    scatters    {} /m where the density is 1, anisotropy {:.6g}\n", triple(volume["scattering"]),
+            volume["anisotropy"].get<double>());
+  print_out("    absorbs     {} /m\n", triple(volume["absorption"]));
+  if (volume["shines"].get<bool>())
+    print_out("    shines      {:.6g} times as black bodies of {:.6g} * (temperature - {:.6g}) K\n",
+              volume["emission"].get<double>(), volume["temperature_scale"].get<double>(),
+              volume["temperature_offset"].get<double>());
+}
+
 void print_scene(const Json& about, const std::vector<std::string>& extensions, const RenderPlan& settings) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
@@ -270,6 +293,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions, 
   print_groups(lights);
   if (const std::string soft = soft_text(lights["soft"]); !soft.empty()) print_out("  soft        {}\n", soft);
   if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
+  if (const Json& volume = about["volume"]; !volume.is_null()) print_volume(volume);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
     cameras.push_back(fmt::format("{} '{}' ({}{})", cameras.size(), camera["name"].get<std::string>(),

@@ -19,6 +19,7 @@
 #include "host/scene/staging/default_light.h"
 #include "host/scene/staging/environment.h"
 #include "host/scene/staging/ground.h"
+#include "host/scene/staging/volume.h"
 
 namespace wavepath {
 namespace {
@@ -29,6 +30,7 @@ constexpr double kMostShift = 1e3;      // pictures
 constexpr double kMostEyeDistance = 1e15;
 // Radiance is 1 over the square of these, and stays far within the range of floats.
 constexpr double kLeastSunAngle = 1e-6, kMostSunAngle = 180.0;
+constexpr double kLeastVolume = 1e-9, kMostPlace = 1e15; // metres
 constexpr double kLeastLampRadius = 1e-9, kMostLampRadius = 1e9;
 
 // A value with two commas that names no file must be a radiance.
@@ -45,6 +47,73 @@ double extent(const FlagValue& value, double least, double most) {
   const double number = value.number(0.0, most);
   if (number > 0.0 && number < least) value.refuse("is too small", fmt::format("give at least {}, or 0", least));
   return number;
+}
+
+void read_place(const FlagValue& value, VolumeRequest& volume) {
+  const char* remedy = "write it as X,Y,Z or X,Y,Z,SIZE, such as 0,1,0,2";
+  const bool sized = std::ranges::count(value.text, ',') == 3;
+  const std::vector<double> numbers = value.numbers(sized ? 4 : 3, remedy);
+  volume.at = {numbers[0], numbers[1], numbers[2]};
+  if (glm::any(glm::greaterThan(glm::abs(*volume.at), glm::dvec3(kMostPlace))))
+    value.refuse("is too far away", "give a place within 1e15 metres");
+  volume.size = sized ? numbers[3] : 0.0;
+  if (sized && !(volume.size >= kLeastVolume && volume.size <= kMostPlace))
+    value.refuse("has no size that a volume can have", "give between 1e-9 and 1e15 metres");
+}
+
+void read_albedo(const FlagValue& value, VolumeRequest& volume) {
+  volume.albedo = value.triple();
+  if (volume.albedo != glm::clamp(volume.albedo, 0.0, 1.0))
+    value.refuse("is not within 0 and 1", "give the share of the light that is scattered, such as 0.9,0.9,0.9");
+}
+
+void read_temperature(const FlagValue& value, VolumeRequest& volume) {
+  const bool shifted = value.text.find(',') != std::string::npos;
+  const std::vector<double> numbers = value.numbers(shifted ? 2 : 1, "write it as SCALE or SCALE,OFFSET, such as 3000");
+  volume.temperature_scale = numbers[0];
+  volume.temperature_offset = shifted ? numbers[1] : 0.0;
+  if (std::abs(volume.temperature_scale) > kMostTemperature || std::abs(volume.temperature_offset) > kMostTemperature)
+    value.refuse("is too large", fmt::format("give numbers of at most {:g}", kMostTemperature));
+}
+
+void add_volume_flags(CLI::App& app, VolumeRequest& volume) {
+  const char* group = "Scene";
+  add_flag(app, group,
+           {"--volume", "FILE",
+            "add the volume of a NanoVDB file (.nvdb): its grid 'density', and its grid 'temperature' for what glows. "
+            "It replaces a volume of the scene. docs/volumes.md",
+            "that of the scene, if it has one"},
+           [&](const FlagValue& value) {
+             if (value.text.empty()) value.refuse("names nothing", "give a .nvdb, or leave it out");
+             volume.file = value.text;
+           });
+  add_flag(app, group,
+           {"--volume-at", "X,Y,Z[,SIZE]",
+            "put the middle of the volume's box at X,Y,Z, and scale it so that its longest side is SIZE, in metres",
+            "in the space of its file, with 1 m for each unit", kAdvanced},
+           [&](const FlagValue& value) { read_place(value, volume); });
+  add_flag(app, group,
+           {"--volume-density", "X", "extinction of the volume where its grid has density 1, in 1/m", "1", kAdvanced},
+           [&](const FlagValue& value) { volume.density = value.number(0.0, kMostCoefficient); });
+  add_flag(app, group,
+           {"--volume-albedo", "R,G,B", "share of this extinction that scatters; the rest absorbs", "1,1,1", kAdvanced},
+           [&](const FlagValue& value) { read_albedo(value, volume); });
+  add_flag(app, group,
+           {"--volume-anisotropy", "G",
+            "mean cosine of the angle by which the volume scatters, by the phase function of Henyey and Greenstein. "
+            "Above 0: forward, as clouds and smoke do",
+            "0", kAdvanced},
+           [&](const FlagValue& value) { volume.anisotropy = value.number(-kMostAnisotropy, kMostAnisotropy); });
+  add_flag(app, group,
+           {"--volume-emission", "X",
+            "factor on the light of a volume that absorbs and has a grid 'temperature': black bodies with a maximum "
+            "of 1 over all wavelengths",
+            "1", kAdvanced},
+           [&](const FlagValue& value) { volume.emission = value.number(0.0, kMostEmission); });
+  add_flag(
+      app, group,
+      {"--volume-temperature", "SCALE[,OFFSET]", "kelvin are SCALE * (value of the grid - OFFSET)", "1,0", kAdvanced},
+      [&](const FlagValue& value) { read_temperature(value, volume); });
 }
 
 } // namespace
@@ -96,6 +165,7 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
              const auto [azimuth, elevation] = value.split(',', "write it as AZIMUTH,ELEVATION, such as 60,40");
              request.sun = {azimuth.number(-360.0, 360.0), elevation.number(-90.0, 90.0)};
            });
+  add_volume_flags(app, request.volume);
   add_flag(app, group,
            {"--sun-angle", "DEG",
             "angle under which directional lights are seen, in degrees across (the sun: 0.53), with the light that "

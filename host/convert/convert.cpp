@@ -87,7 +87,7 @@ void count(const Description& scene, Converted& result) {
 } // namespace
 
 std::vector<std::string> files_of(const std::string& output) {
-  std::vector<std::string> files = {output, beside(output, ".env.exr")};
+  std::vector<std::string> files = {output, beside(output, ".env.exr"), beside(output, ".nvdb")};
   if (extension_of(output) == ".gltf") files.push_back(beside(output, ".bin"));
   return files;
 }
@@ -100,6 +100,8 @@ Converted convert_scene(const std::string& input, const std::string& output) {
   Description scene = read_scene(input);
   Converted result;
   const std::string binary = is_glb ? "" : beside(output, ".bin");
+  const std::string voxels = scene.volume ? beside(output, ".nvdb") : "";
+  if (scene.volume) scene.volume->uri = std::filesystem::path(voxels).filename().string();
   const GltfText text = to_gltf(scene, output, is_glb ? "" : std::filesystem::path(binary).filename().string());
   std::string map;
   if (scene.environment && !scene.environment->pixels.empty()) {
@@ -118,10 +120,14 @@ Converted convert_scene(const std::string& input, const std::string& output) {
   std::optional<AtomicFile> data;
   if (!is_glb && !text.binary.empty()) data.emplace(binary).write(text.binary.data(), text.binary.size());
   if (!map.empty()) write_picture(map, to_picture(*scene.environment), {}, {});
+  std::optional<AtomicFile> grids;
+  if (scene.volume) grids.emplace(voxels).write(scene.volume->file.data(), scene.volume->file.size());
+  if (grids) grids->commit();
   if (data) data->commit();
   file.commit();
   result.files = {output};
   if (data) result.files.push_back(binary);
+  if (grids) result.files.push_back(voxels);
   if (!map.empty()) result.files.push_back(map);
   result.format = scene.format;
   result.command = render_command(scene, output, map);

@@ -17,7 +17,7 @@ struct Converted {
   std::uint64_t shapes = 0, instances = 0, triangles = 0, materials = 0, images = 0, lights = 0;
 };
 
-// The files that an output consists of: a .gltf has a .bin, and an environment map is an EXR beside it.
+// The files that an output consists of: a .gltf has a .bin, and an environment map and voxels are files beside it.
 std::vector<std::string> files_of(const std::string& output);
 
 // Writes all files or none. Throws Error; UsageError for extensions that it does not know.

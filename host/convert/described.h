@@ -85,6 +85,17 @@ struct Camera {
   double aperture = 0.0, focus = 0.0; // radius of the lens and distance in focus; 0: none
 };
 
+// A volume of voxels, as the extras of a node have it.
+struct Volume {
+  std::vector<std::uint8_t> file;              // of NanoVDB
+  std::string uri;                             // of this file, once that is known
+  glm::dvec3 absorption{0.0}, scattering{0.0}; // where the density is 1, in 1/m
+  double anisotropy = 0.0;                     // g of Henyey and Greenstein
+  double emission = 0.0;                       // factor on that of black bodies
+  double temperature_scale = 1.0, temperature_offset = 0.0;
+  glm::dmat4 matrix{1.0};
+};
+
 // Light from far away: a colour, or a picture whose pixels are radiance.
 struct Environment {
   glm::dvec3 color{0.0};
@@ -101,6 +112,7 @@ struct Description {
   std::vector<std::vector<Shape>> groups;
   std::vector<Use> uses;
   std::vector<Light> lights;
+  std::optional<Volume> volume;
   std::optional<Camera> camera;
   std::optional<Environment> environment;
   glm::dmat4 root{1.0};                // of all but camera and environment: mirrors a left-handed world

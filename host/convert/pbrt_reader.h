@@ -18,6 +18,8 @@ namespace wavepath::convert {
 struct PbrtMedium {
   glm::dvec3 absorption{0.0}, scattering{0.0};
   double anisotropy = 0.0;
+  std::optional<Volume> voxels; // that it is made of; without its file until a shape holds it, if `path` names that
+  std::string path;
 };
 
 struct PbrtAttributes {
@@ -40,6 +42,7 @@ struct PbrtReader {
   std::map<std::string, Texture> colors, numbers; // textures by name
   std::map<std::string, std::uint32_t> materials, groups;
   std::map<std::string, PbrtMedium> media;
+  std::string volume;                 // the medium of `scene`.volume
   std::optional<std::uint32_t> group; // that shapes go into
   bool in_world = false;
   // Meshes and materials by what they were made of.
@@ -64,6 +67,11 @@ void tell_unused(PbrtReader& reader, const std::string& what, const PbrtParams& 
 
 // pbrt_materials.cpp
 Material read_material(PbrtReader& reader, const std::string& type, const PbrtParams& params);
+
+// pbrt_media.cpp
+void read_medium(PbrtReader& reader, const std::string& name, const PbrtParams& params);
+// The medium within a shape that is a boundary and nothing else.
+void fill_boundary(PbrtReader& reader, const std::string& medium, const Mesh& mesh, const glm::dmat4& matrix);
 
 // pbrt_lights.cpp
 void read_light(PbrtReader& reader, const std::string& type, const PbrtParams& params);

@@ -78,26 +78,9 @@ PbrtParams params_for(PbrtReader& reader, const char* kind) {
   return params;
 }
 
-void read_medium(PbrtReader& reader) {
+void make_named_medium(PbrtReader& reader) {
   const std::string name = read_string(reader.tokens);
-  const PbrtParams params = params_for(reader, "medium");
-  const std::string type = params.text("type", "homogeneous");
-  PbrtMedium medium;
-  if (type == "homogeneous") {
-    const double scale = params.number("scale", 1.0);
-    if (params.has("preset")) {
-      reader.scene.losses.add("medium by the name of a preset: clear instead");
-    } else {
-      medium.absorption = scale * read_coefficient(reader, params, "sigma_a", glm::dvec3(1.0));
-      medium.scattering = scale * read_coefficient(reader, params, "sigma_s", glm::dvec3(1.0));
-    }
-    medium.anisotropy = params.number("g", 0.0);
-  } else {
-    reader.scene.losses.add(fmt::format("medium '{}'", type));
-    for (const PbrtParam& param : params.all) param.is_used = true;
-  }
-  tell_unused(reader, fmt::format("medium '{}'", type), params);
-  reader.media[name] = medium;
+  read_medium(reader, name, params_for(reader, "medium"));
 }
 
 void read_named_material(PbrtReader& reader) {
@@ -267,7 +250,7 @@ const std::map<std::string_view, Directive>& directives() {
       {"LightSource", place_light_source},
       {"LookAt", [](PbrtReader& reader) { transform(reader, look_at(reader)); }},
       {"MakeNamedMaterial", read_named_material},
-      {"MakeNamedMedium", read_medium},
+      {"MakeNamedMedium", make_named_medium},
       {"Material", use_material},
       {"MediumInterface", set_media},
       {"NamedMaterial", use_named_material},

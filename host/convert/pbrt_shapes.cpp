@@ -166,8 +166,9 @@ std::uint32_t material_of_shape(PbrtReader& reader, const PbrtParams& params, st
       key += "|inside " + reader.now.inside;
       material.scattering = medium->second.scattering;
       material.anisotropy_of_scattering = medium->second.anisotropy;
+      if (medium->second.voxels) scene.losses.add("medium of voxels within glass");
     } else if (material.is_boundary) {
-      scene.losses.add("medium in the air");
+      fill_boundary(reader, medium->first, scene.meshes[mesh], matrix);
     }
   }
   if (reader.now.area_light) {
@@ -217,7 +218,9 @@ void read_shape(PbrtReader& reader, const std::string& type, const PbrtParams& p
   shape.material = material_of_shape(reader, params, shape.mesh, shape.matrix, is_visible);
   tell_unused(reader, fmt::format("shape '{}'", type), params);
   if (!is_visible) {
-    reader.scene.losses.add("boundary of a medium without a surface left out");
+    const auto medium = reader.media.find(reader.now.inside);
+    if (medium == reader.media.end() || !medium->second.voxels)
+      reader.scene.losses.add("boundary of a medium without a surface left out");
     return;
   }
   if (reader.group)

@@ -1,7 +1,6 @@
-// Spectra as linear Rec. 709 colours: tables of wavelengths, black bodies, names of illuminants, metals and glasses.
+// Spectra of scene files as colours: tables of wavelengths, names of illuminants, metals and glasses.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -9,11 +8,9 @@
 
 #include <glm/glm.hpp>
 
-namespace wavepath::convert {
+#include "host/scene/spectrum.h"
 
-// Values at 380, 390, ..., 780 nm.
-inline constexpr std::size_t kWavelengths = 41;
-using Spectrum = std::array<double, kWavelengths>;
+namespace wavepath::convert {
 
 // Wavelengths in nanometres, ascending, and values; linear in between, 0 outside.
 using SpectrumTable = std::vector<std::pair<double, double>>;
@@ -21,14 +18,9 @@ Spectrum resample(const SpectrumTable& table);
 
 // The colour of a reflectance under daylight (D65), so that 1 everywhere is white.
 glm::dvec3 reflected_color(const Spectrum& reflectance);
-// The colour of light, with the scale at which a spectrum of 1 everywhere has a luminance of 1.
-glm::dvec3 light_color(const Spectrum& light);
-// The same colour, scaled to a luminance of 1. Black stays black.
+// A colour, scaled to a luminance of 1. Black stays black.
 glm::dvec3 unit_luminance(const glm::dvec3& color);
 double luminance(const glm::dvec3& color);
-
-// Planck's law, W / (m^2 sr nm).
-Spectrum black_body(double kelvin);
 
 // "stdillum-D65", "stdillum-A" and their like, with a luminance of 1.
 std::optional<glm::dvec3> named_illuminant(std::string_view name);

@@ -315,6 +315,21 @@ std::optional<std::size_t> add_group(Writer& writer, const std::vector<Shape>& s
   return add(writer, "meshes", {{"primitives", std::move(primitives)}});
 }
 
+std::optional<std::size_t> add_volume(Writer& writer, const Volume& volume) {
+  if (is_flat_or_wild(volume.matrix)) {
+    writer.scene.losses.add("medium of voxels with a transform that is flat or not finite left out");
+    return std::nullopt;
+  }
+  Json extras = {{"file", volume.uri},
+                 {"scattering", array_of(volume.scattering)},
+                 {"absorption", array_of(volume.absorption)},
+                 {"anisotropy", volume.anisotropy},
+                 {"emission", volume.emission},
+                 {"temperature_scale", volume.temperature_scale},
+                 {"temperature_offset", volume.temperature_offset}};
+  return add_node(writer, {{"name", "volume"}, {"extras", {{"volume", std::move(extras)}}}}, volume.matrix);
+}
+
 std::optional<std::size_t> add_light(Writer& writer, const Light& light) {
   const double largest = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
   if (!(largest > 0.0)) return std::nullopt;
@@ -370,6 +385,7 @@ void place_all(Writer& writer) {
       take(add_node(writer, {{"mesh", *found->second}}, use.matrix));
   }
   for (const Light& light : writer.scene.lights) take(add_light(writer, light));
+  if (writer.scene.volume) take(add_volume(writer, *writer.scene.volume));
   if (writer.scene.root != glm::dmat4(1.0) && !inside.empty()) {
     Json root = {{"name", "world"}, {"children", std::move(inside)}};
     inside = Json::array({add_node(writer, std::move(root), writer.scene.root)});

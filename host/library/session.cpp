@@ -20,6 +20,7 @@
 #include "host/picture/files/picture_io.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/settings_table.h"
+#include "host/scene/bounds.h"
 #include "host/scene/pack/pick.h"
 #include "host/session/prepare.h"
 #include "host/session/resume.h"
@@ -236,6 +237,10 @@ std::array<Point, 2> Session::bounds() const {
         const glm::dvec3 point = instance.world_from_object * glm::dvec4(position, 1.0);
         low = glm::min(low, point), high = glm::max(high, point);
       }
+    if (scene.volume) {
+      const wavepath::Bounds box = wavepath::volume_bounds(*scene.volume);
+      low = glm::min(low, box.lo), high = glm::max(high, box.hi);
+    }
     return std::array<Point, 2>{{{low.x, low.y, low.z}, {high.x, high.y, high.z}}};
   });
 }

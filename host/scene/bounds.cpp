@@ -49,6 +49,20 @@ Bounds transform_bounds(const Bounds& box, const glm::dmat4& transform) {
   return out;
 }
 
+Bounds index_bounds(const VoxelGrid& grid) {
+  Bounds box;
+  if (grid.bricks.empty()) return box;
+  const glm::dvec3 lo = glm::dvec3(grid.first) - 0.5;
+  box.add(lo);
+  box.add(lo + double{kBrickSide} * glm::dvec3(grid.brick_counts));
+  return box;
+}
+
+Bounds volume_bounds(const Volume& volume) {
+  const VoxelGrid& density = volume.grids->density;
+  return transform_bounds(index_bounds(density), volume.world_from_grid * density.grid_from_index);
+}
+
 Bounds world_bounds(const Scene& scene) {
   const Usage usage = find_usage(scene);
   std::vector<Bounds> shared(scene.meshes.size());
@@ -66,7 +80,10 @@ Bounds world_bounds(const Scene& scene) {
     }
     return world;
   };
-  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, scene.instances.size()), Bounds{}, add_range, join);
+  Bounds world =
+      tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, scene.instances.size()), Bounds{}, add_range, join);
+  if (scene.volume) world.add(volume_bounds(*scene.volume));
+  return world;
 }
 
 } // namespace wavepath

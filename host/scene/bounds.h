@@ -38,7 +38,14 @@ Bounds mesh_bounds(const Mesh& mesh, const glm::dmat4& transform);
 // Box around the eight transformed corners of `box`; empty stays empty.
 Bounds transform_bounds(const Bounds& box, const glm::dmat4& transform);
 
-// World-space bounds of a scene. Meshes with one instance are bounded exactly, others by the corners of their own box.
+// The box of a grid's bricks in index space, where each voxel is a cube of side 1 around its point.
+Bounds index_bounds(const VoxelGrid& grid);
+
+// World-space bounds of the bricks of a volume's density.
+Bounds volume_bounds(const Volume& volume);
+
+// World-space bounds of a scene, its volume included. Meshes with one instance are bounded exactly, others by the
+// corners of their own box.
 Bounds world_bounds(const Scene& scene);
 
 } // namespace wavepath

@@ -90,21 +90,43 @@ Lighting take_lighting(LoadedScene& loaded) {
   return lighting;
 }
 
+// A volume with what there is to be said of its file.
+struct ReadVolume {
+  Volume volume;
+  Warnings warnings;
+};
+
+ReadVolume requested_volume(const SceneRequest& request) {
+  ReadVolume read;
+  read.volume = load_volume(request.volume, read.warnings);
+  return read;
+}
+
+void add_volume(ReadVolume read, LoadedScene& loaded, Scene& scene) {
+  for (const auto& [text, count] : read.warnings.counts()) scene.warnings.add(text, count);
+  scene.volume = loaded.added_volume = std::move(read.volume);
+}
+
 } // namespace
 
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described, bool stays_open) {
+  check_volume(request.volume);
   LoadedScene loaded;
   SceneRequest staged = request;
+  staged.load.replaces_volume = !request.volume.file.empty();
   if (request.staged_at) staged.load.at = *request.staged_at, staged.load.shutter.reset();
   // Beside the scene: what reads pictures may have to be loaded itself.
   std::future<Environment> environment;
   if (!request.environment.empty())
     environment = std::async(std::launch::async, [&] { return requested_environment(request); });
+  std::future<ReadVolume> volume;
+  if (staged.load.replaces_volume) volume = std::async(std::launch::async, [&] { return requested_volume(request); });
   loaded.sun = request.sun;
   loaded.file = std::make_shared<GltfFile>(request.path);
   loaded.scene = loaded.file->load(staged.load, [&](Scene& scene) {
     if (scene.environment.present()) loaded.own_environment = std::move(scene.environment);
     scene.environment = {};
+    if (volume.valid()) add_volume(volume.get(), loaded, scene);
     if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
     const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
@@ -128,8 +150,12 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
 bool pose_again(const SceneRequest& request, LoadedScene& loaded) {
   Scene& scene = loaded.scene;
   Environment environment = std::move(scene.environment);
-  scene = loaded.file->pose(request.load, std::move(scene));
+  LoadOptions options = request.load;
+  options.replaces_volume = loaded.added_volume.has_value();
+  if (loaded.added_volume) scene.volume.reset();
+  scene = loaded.file->pose(options, std::move(scene));
   scene.environment = std::move(environment);
+  if (loaded.added_volume) scene.volume = loaded.added_volume;
   if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
   if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
   soften_lamps(request, scene);

@@ -18,6 +18,7 @@ struct LoadedScene {
   std::string light;             // one line that says what lights the scene and why; empty if --env was given
   bool room_lamp = false;        // true if the last light is the lamp that room_lamp() added
   std::optional<glm::dvec2> sun; // direction of the sun that was added, in degrees as SceneRequest::sun
+  std::optional<Volume> added_volume;         // that of --volume, which the scene has
   std::optional<Environment> own_environment; // of the file (EXT_lights_image_based)
   std::shared_ptr<GltfFile> file;             // stays open for pose_again(), if that was asked for
 };

@@ -38,6 +38,13 @@ void check_catcher(const SceneRequest& request, RenderPlan& settings) {
                      "use --integrator path");
 }
 
+void check_volume(const VolumeRequest& volume) {
+  const std::string flags = flags_of(volume);
+  if (!volume.file.empty() || flags.empty()) return;
+  throw UsageError(flags.substr(1, flags.find(' ', 1) - 1), "is about a volume, and none is given",
+                   "add --volume FILE.nvdb, or leave it out");
+}
+
 void check_camera(const ViewRequest& view, const RenderPlan& settings) {
   check_view(view);
   const bool panorama = view.projection == Projection::fisheye || view.projection == Projection::equirectangular;
@@ -57,6 +64,7 @@ std::vector<std::string> inputs_of(const SceneRequest& request, const RenderPlan
   const bool builtin = std::ranges::count(kEnvironmentNames, request.environment) > 0;
   std::error_code error;
   if (!builtin && std::filesystem::exists(request.environment, error)) inputs.push_back(request.environment);
+  inputs.push_back(request.volume.file);
   return inputs;
 }
 
@@ -80,7 +88,7 @@ std::string flags_of(const SceneRequest& request) {
   if (request.sun) flags += fmt::format(" --sun {},{}", request.sun->x, request.sun->y);
   if (request.sun_angle > 0.0) flags += fmt::format(" --sun-angle {}", request.sun_angle);
   if (request.lamp_radius > 0.0) flags += fmt::format(" --lamp-radius {}", request.lamp_radius);
-  return flags;
+  return flags + flags_of(request.volume);
 }
 
 } // namespace wavepath

@@ -14,6 +14,7 @@
 #include "host/render/settings/render_plan.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/staging/view.h"
+#include "host/scene/staging/volume.h"
 
 namespace wavepath {
 
@@ -30,6 +31,7 @@ struct SceneRequest {
   std::string catcher;                       // the shadow catcher: "ground", or a node; empty = none
   std::optional<glm::dvec2> sun;             // degrees: azimuth from +X towards +Z, elevation
   double sun_angle = 0.0, lamp_radius = 0.0; // extent of punctual lights: degrees across, metres; 0 = none
+  VolumeRequest volume;                      // a volume in place of one of the file
   bool sun_if_unlit = false;                 // a scene without lights gets a sun, for studies of lamp shadows
   // Moment whose pose decides what the file leaves open: framing, light, ground. Empty = the moment of the picture.
   std::optional<double> staged_at;
@@ -80,6 +82,8 @@ bool is_given(const RenderRequest& request, std::string_view setting);
 void check_shutter(const SceneRequest& request, RenderPlan& settings);
 // Sets the members of `settings` that a shadow catcher asks for. Throws UsageError if the integrator knows none.
 void check_catcher(const SceneRequest& request, RenderPlan& settings);
+// Refuses flags of a volume that is not there. Throws UsageError.
+void check_volume(const VolumeRequest& volume);
 // Refuses flags of a camera that do not go together, or with the lens and the size of the picture.
 void check_camera(const ViewRequest& view, const RenderPlan& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.

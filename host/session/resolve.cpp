@@ -218,6 +218,7 @@ void check_integrator(const RenderRequest& request) {
 }
 
 void resolve_settings(const SceneRequest& scene, RenderRequest& request) {
+  check_volume(scene.volume);
   check_catcher(scene, request.settings);
   resolve_samples(request);
   resolve_integrator(request); // by the samples

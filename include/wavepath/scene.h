@@ -11,7 +11,7 @@ namespace wavepath_v0 {
 struct Scene {
   std::string file; // .gltf or .glb
   // Flags about the scene: env, env-intensity, env-rotation, animation, at, ground, sun, scene, shutter, staged-at,
-  // variant.
+  // variant, volume and its like.
   Settings settings{};
 };
 

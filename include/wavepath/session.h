@@ -76,7 +76,7 @@ public:
   std::vector<Named> materials() const;
   std::vector<std::string> variants() const; // of the materials; the flag "variant" takes one
   std::vector<Named> lights() const;         // those of visible nodes; index: the node, or kAddedLight
-  std::array<Point, 2> bounds() const;       // corners of the box around all vertices
+  std::array<Point, 2> bounds() const;       // corners of the box around all vertices and the volume
   Device device() const;
 
   // Edits are noted; update() or the next render() does them, and only what they touch. An edit that is taken back

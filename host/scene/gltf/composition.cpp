@@ -328,6 +328,9 @@ private:
     for (const char* list : {"buffers", "images", "files"})
       each(root, list, [&](json& s) { place(s, opened, aliases); });
     each(root, lights_path(kProfiles), [&](json& profile) { place(profile, opened, {}); });
+    each(root, "nodes", [&](json& node) {
+      if (json* volume = find(node, "extras.volume"); volume && volume->is_object()) place(*volume, opened, {}, "file");
+    });
     return opened;
   }
 
@@ -358,15 +361,15 @@ private:
   }
 
   // Makes a URI relative to the folder of the outermost file, or replaces it by what its alias stands for.
-  void place(json& source, const Opened& opened, const Aliases& aliases) {
-    const auto member = source.find("uri");
-    if (member == source.end()) return;
+  void place(json& source, const Opened& opened, const Aliases& aliases, const char* name = "uri") {
+    const auto member = source.find(name);
+    if (member == source.end() || !member->is_string()) return;
     const std::string uri = *member;
     if (const auto alias = aliases.find(uri); alias != aliases.end()) {
       if (alias->second.view < 0) {
         *member = alias->second.uri;
       } else {
-        source.erase("uri");
+        source.erase(name);
         source[kViewAbove] = alias->second.view;
       }
     } else if (!opened.prefix.empty() && is_relative(uri)) {

@@ -14,6 +14,7 @@
 
 #include "host/base/warnings.h"
 #include "host/scene/gltf/container.h"
+#include "host/scene/volume.h"
 
 namespace wavepath::gltf {
 
@@ -35,6 +36,13 @@ struct PointerChannel {
   std::string pointer;
 };
 
+// The volume of a node, in the space of the node; without grids until they are needed.
+struct NodeVolume {
+  std::size_t node = 0;
+  Source source{};
+  Volume volume{};
+};
+
 // tinygltf refuses valid files whose indices have no bufferView (Draco, sparse), so they are kept among the attributes.
 inline constexpr const char* kIndices = "INDICES";
 
@@ -45,6 +53,7 @@ struct Document {
   std::shared_ptr<const nlohmann::json> materials;      // as posed
   std::shared_ptr<const nlohmann::json> file_materials; // as in the file
   std::vector<Source> buffers, images, profiles;        // profiles: of EXT_lights_ies
+  std::vector<NodeVolume> volumes;
   // For each animation, its channels that name no node, which are not in `model`: those with a pointer, and the number
   // of others.
   std::vector<std::vector<PointerChannel>> pointer_channels;

@@ -29,6 +29,7 @@
 #include "host/scene/gltf/texture.h"
 #include "host/scene/gltf/uri.h"
 #include "host/scene/gltf/variants.h"
+#include "host/scene/gltf/volumes.h"
 
 namespace wavepath {
 
@@ -294,6 +295,10 @@ void place_profile_light(Import& import, std::size_t node_index) {
   add_light(import, node_index, *light);
 }
 
+void add_file(const Document& document, Scene& scene, const std::string& uri) {
+  if (const auto file = gltf::resolve_uri(document.path.parent_path(), uri)) scene.files.push_back(file->string());
+}
+
 // What the file says of its scene whatever the moment.
 Scene begin_scene(const Document& document) {
   Scene scene;
@@ -303,9 +308,8 @@ Scene begin_scene(const Document& document) {
   for (const std::filesystem::path& asset : document.assets) scene.files.push_back(asset.string());
   for (const auto* sources : {&document.buffers, &document.images, &document.profiles})
     for (const gltf::Source& source : *sources)
-      if (!source.uri.empty() && !gltf::is_data_uri(source.uri))
-        if (const auto file = gltf::resolve_uri(document.path.parent_path(), source.uri))
-          scene.files.push_back(file->string());
+      if (!source.uri.empty() && !gltf::is_data_uri(source.uri)) add_file(document, scene, source.uri);
+  for (const gltf::NodeVolume& volume : document.volumes) add_file(document, scene, volume.source.uri);
   scene.extensions_used = document.model.extensionsUsed;
   for (const tinygltf::Node& node : document.model.nodes) scene.node_names.push_back(node.name);
   scene.node_parents = gltf::node_parents(document);
@@ -319,7 +323,8 @@ std::vector<glm::dmat4> pose_nodes(Document& document, Scene& scene, const LoadO
   return gltf::world_matrices(document);
 }
 
-void place_nodes(Import& import, const std::vector<int>& nodes, const std::vector<bool>& hidden) {
+void place_nodes(Import& import, const std::vector<int>& nodes, const std::vector<bool>& hidden,
+                 const LoadOptions& options) {
   for (const int node_index : nodes) {
     const auto index = static_cast<std::size_t>(node_index);
     const tinygltf::Node& node = import.document.model.nodes[index];
@@ -332,7 +337,10 @@ void place_nodes(Import& import, const std::vector<int>& nodes, const std::vecto
     place_light(import, index);
     place_profile_light(import, index);
   }
-  if (import.scene.instances.empty()) import.scene.warnings.add("scene shows no mesh");
+  import.scene.volume =
+      gltf::place_volume(import.document, import.scene.warnings, nodes, hidden, import.world, options.replaces_volume);
+  if (import.scene.instances.empty() && !import.scene.volume && !options.replaces_volume)
+    import.scene.warnings.add("scene shows no mesh");
 }
 
 // The scene at one moment. `decode`: its images too.
@@ -347,7 +355,7 @@ Scene load_moment(Document& document, const LoadOptions& options, double seconds
   std::future<std::vector<TextureImage>> images;
   if (decode)
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
-  place_nodes(import, nodes, hidden);
+  place_nodes(import, nodes, hidden, options);
   if (decode) scene.environment = gltf::read_image_light(document, options.scene);
   if (imported) {
     const bool held = imported->holds_values;
@@ -366,7 +374,10 @@ Scene load_motion(Document& document, const LoadOptions& options, bool decode, c
                   Imported* imported) {
   const auto [open, close] = *options.shutter;
   Scene scene = load_moment(document, options, open, {close}, decode, described, imported);
-  if (close != open) gltf::add_motion(scene, load_moment(document, options, close, {{}, true}, false, {}));
+  if (close == open) return scene;
+  const Scene end = load_moment(document, options, close, {{}, true}, false, {});
+  if (scene.volume != end.volume) scene.warnings.add("volume that moves while the shutter is open stays as it opens");
+  gltf::add_motion(scene, end);
   return scene;
 }
 
@@ -438,6 +449,7 @@ bool has_same_shape(const Scene& before, const Scene& scene) {
   const auto same_mesh = [](const Mesh& a, const Mesh& b) {
     return a.positions == b.positions && a.normals == b.normals && a.tangents == b.tangents;
   };
+  if (before.volume != scene.volume) return false;
   if (before.instances.size() < scene.instances.size()) return false; // others may have added some
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance &a = before.instances[i], &b = scene.instances[i];
@@ -534,7 +546,7 @@ Scene GltfFile::pose(const LoadOptions& options, Scene before) {
   for (auto& [use, mesh] : imported.meshes)
     if (use.skin < 0 && !before.meshes[mesh].moves() && !state_->forgets_meshes)
       import.read_before.emplace(use, std::move(before.meshes[mesh]));
-  place_nodes(import, nodes, hidden);
+  place_nodes(import, nodes, hidden, options);
   imported = {std::move(import.materials), std::move(import.meshes), scene.materials.size(), imported.holds_values};
   state_->is_still = !state_->forgets_meshes && has_same_shape(before, scene);
   state_->forgets_meshes = false;

@@ -21,7 +21,8 @@ struct LoadOptions {
   double at = 0.0;       // seconds into the animation, clamped to its key frames
   // Instead of `at`: when the shutter opens and closes. Cameras and lights stay as they are when it opens.
   std::optional<std::pair<double, double>> shutter{};
-  std::string variant{};     // name of KHR_materials_variants; empty = the materials that the file shows without one
+  std::string variant{};        // name of KHR_materials_variants; empty = the materials that the file shows without one
+  bool replaces_volume = false; // the caller has a volume, in place of one of the file
   bool keeps_hidden = false; // materials of hidden nodes and of other variants are read too, so that they can be shown
 };
 

@@ -6,6 +6,7 @@
 #include "host/scene/gltf/composition.h"
 #include "host/scene/gltf/property.h"
 #include "host/scene/gltf/uri.h"
+#include "host/scene/gltf/volumes.h"
 
 namespace wavepath::gltf {
 namespace {
@@ -52,6 +53,9 @@ void take_sources(Document& document, json& root) {
           {profile.value("name", ""), profile.value("uri", ""), 0, profile.value("bufferView", -1)});
       check_uri(document, "IES profile " + std::to_string(document.profiles.size() - 1), document.profiles.back());
     }
+  document.volumes = find_volumes(document, root);
+  for (const NodeVolume& volume : document.volumes)
+    check_uri(document, "the volume of node " + std::to_string(volume.node), volume.source);
   document.file_materials = std::make_shared<const json>(root.value("materials", json::array()));
   document.materials = document.file_materials;
   for (const char* list : {"buffers", "images", "materials"}) root.erase(list);

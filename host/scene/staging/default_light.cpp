@@ -14,6 +14,7 @@ bool is_lamp(const Material& material) {
 }
 
 bool has_lamp(const Scene& scene) {
+  if (scene.volume && scene.volume->shines()) return true;
   const Usage usage = find_usage(scene);
   for (std::size_t i = 0; i < scene.materials.size(); ++i)
     if (usage.material_used[i] && is_lamp(scene.materials[i])) return true;

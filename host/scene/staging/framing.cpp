@@ -139,10 +139,11 @@ Outlines mesh_outlines(const Mesh& mesh, const glm::dmat4& transform, const Axes
   return all;
 }
 
-void add_corners(const Axes& axes, const Bounds& box, Outlines& outlines) {
+void add_corners(const Axes& axes, const Bounds& box, const glm::dmat4& transform, Outlines& outlines) {
   for (int corner = 0; corner < 8; ++corner)
     add_point(axes,
-              {corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z},
+              transform_point(transform, {corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                                          corner & 4 ? box.hi.z : box.lo.z}),
               outlines);
 }
 
@@ -158,10 +159,16 @@ Outlines find_outlines(const Scene& scene, const Bounds& bounds) {
     const glm::dmat4 transform = centred * instance.world_from_object;
     if (boxes && uses > 1) {
       const Bounds box = transform_bounds(mesh_bounds(scene.meshes[instance.mesh], glm::dmat4(1.0)), transform);
-      if (!box.empty() && finite_point(box.lo) && finite_point(box.hi)) add_corners(axes, box, all);
+      if (!box.empty() && finite_point(box.lo) && finite_point(box.hi)) add_corners(axes, box, glm::dmat4(1.0), all);
     } else {
       all.add(mesh_outlines(scene.meshes[instance.mesh], transform, axes));
     }
+  }
+  if (scene.volume) {
+    const Volume& volume = *scene.volume;
+    const VoxelGrid& density = volume.grids->density;
+    const glm::dmat4 transform = centred * volume.world_from_grid * density.grid_from_index;
+    add_corners(axes, index_bounds(density), transform, all);
   }
   all.across.reduce(), all.upwards.reduce();
   return all;
@@ -206,7 +213,7 @@ Framing find_framing(const Scene& scene, bool look_inside) {
   if (framing.bounds.empty()) return framing;
   const Outlines outlines = find_outlines(scene, framing.bounds);
   framing.across = outlines.across.points(), framing.upwards = outlines.upwards.points();
-  if (look_inside) framing.inside = find_standpoint(scene, framing.bounds);
+  if (look_inside && !scene.instances.empty()) framing.inside = find_standpoint(scene, framing.bounds);
   return framing;
 }
 

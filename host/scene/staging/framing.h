@@ -14,8 +14,8 @@ namespace wavepath {
 
 struct Framing {
   Bounds bounds;
-  // Convex hulls of the vertices as the framing camera projects them: (right, forward) and (up, forward) coordinates,
-  // relative to the centre of the bounds.
+  // Convex hulls of the vertices, and of the corners of a volume's box, as the framing camera projects them: (right,
+  // forward) and (up, forward) coordinates, relative to the centre of the bounds.
   std::vector<glm::dvec2> across, upwards;
   std::optional<Standpoint> inside; // only for an interior
 };

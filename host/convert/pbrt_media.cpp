@@ -1,0 +1,178 @@
+// Media of pbrt-v4. Those of voxels become the volume of the scene.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/base/error.h"
+#include "host/base/read_file.h"
+#include "host/convert/grid_files.h"
+#include "host/convert/pbrt_reader.h"
+#include "host/scene/bounds.h"
+#include "host/scene/material.h"
+#include "host/scene/nanovdb/nanovdb.h"
+
+namespace wavepath::convert {
+namespace {
+
+constexpr double kMostVoxelsOfGrid = 134'217'728.0; // as read_nanovdb() takes them
+
+void read_coefficients(PbrtReader& reader, const PbrtParams& params, PbrtMedium& medium) {
+  const double scale = params.number("scale", 1.0);
+  medium.absorption = scale * read_coefficient(reader, params, "sigma_a", glm::dvec3(1.0));
+  medium.scattering = scale * read_coefficient(reader, params, "sigma_s", glm::dvec3(1.0));
+  medium.anisotropy = params.number("g", 0.0);
+}
+
+// The volume of a medium, without its voxels.
+Volume begin_volume(PbrtReader& reader, const PbrtParams& params, const PbrtMedium& medium) {
+  Volume volume;
+  volume.absorption = medium.absorption, volume.scattering = medium.scattering;
+  volume.anisotropy = std::clamp(medium.anisotropy, -0.99, 0.99);
+  if (volume.anisotropy != medium.anisotropy) reader.scene.losses.add("anisotropy of a medium: 0.99 instead");
+  volume.emission = params.number("Lescale", 1.0);
+  volume.temperature_scale = params.number("temperaturescale", 1.0);
+  volume.temperature_offset = params.number("temperatureoffset", params.number("temperaturecutoff", 0.0));
+  volume.matrix = reader.now.transform;
+  return volume;
+}
+
+// Values of a grid, one for each voxel.
+std::vector<float> values_of(PbrtReader& reader, const PbrtParam& param, const glm::ivec3& counts) {
+  const double count = static_cast<double>(counts.x) * counts.y * counts.z;
+  if (static_cast<double>(param.numbers.size()) != count)
+    reader.tokens.fail(fmt::format("\"{}\" has {} numbers, where {} x {} x {} voxels have one each", param.name,
+                                   param.numbers.size(), counts.x, counts.y, counts.z));
+  std::vector<float> values;
+  for (const double value : param.numbers) values.push_back(static_cast<float>(value));
+  return values;
+}
+
+glm::dvec3 corner(const PbrtParams& params, const char* name, double otherwise) {
+  const PbrtParam* param = params.find(name);
+  if (!param || param->numbers.size() < 3) return glm::dvec3(otherwise);
+  return {param->numbers[0], param->numbers[1], param->numbers[2]};
+}
+
+// Voxels are points in the middle of equal parts of a box.
+void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
+  glm::ivec3 counts(0);
+  const char* const names[] = {"nx", "ny", "nz"};
+  double all = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    const double count = params.number(names[i], 1.0);
+    all *= count;
+    if (!(count >= 1.0 && all <= kMostVoxelsOfGrid) || count != std::floor(count))
+      reader.tokens.fail(fmt::format("a grid has {} {}", names[i], count));
+    counts[i] = static_cast<int>(count);
+  }
+  const glm::dvec3 lo = corner(params, "p0", 0.0), hi = corner(params, "p1", 1.0);
+  const glm::dvec3 step = (hi - lo) / glm::dvec3(counts);
+  if (!(step.x * step.y * step.z != 0.0)) reader.tokens.fail("a grid has a box without a volume");
+  const glm::dmat4 matrix = glm::scale(glm::translate(glm::dmat4(1.0), lo + 0.5 * step), step);
+  std::vector<DenseGrid> grids;
+  const PbrtParam* density = params.find("density");
+  if (!density) reader.tokens.fail("a grid has no \"density\"");
+  grids.push_back({"density", counts, values_of(reader, *density, counts), matrix});
+  if (const PbrtParam* temperature = params.find("temperature"))
+    grids.push_back({"temperature", counts, values_of(reader, *temperature, counts), matrix});
+  if (params.has("Le")) reader.scene.losses.add("light of a medium by a spectrum");
+  volume.file = nanovdb_file(grids);
+}
+
+// Box of the voxels whose density is not 0, as points of index space.
+Bounds occupied(const VoxelGrid& grid) {
+  Bounds box;
+  for (std::size_t i = 0; i < grid.bricks.size(); ++i) {
+    const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.brick_counts.x));
+    const auto rows = i / static_cast<std::size_t>(grid.brick_counts.x);
+    const auto y = static_cast<int>(rows % static_cast<std::size_t>(grid.brick_counts.y));
+    const auto z = static_cast<int>(rows / static_cast<std::size_t>(grid.brick_counts.y));
+    const glm::ivec3 first = grid.first + kBrickSide * glm::ivec3(x, y, z);
+    for (int v = 0; v < static_cast<int>(kBrickVoxels); ++v) {
+      const std::uint32_t stored = grid.bricks[i];
+      const float value =
+          stored == kNoIndex ? grid.constants[i] : grid.voxels[stored * kBrickVoxels + static_cast<std::size_t>(v)];
+      if (value != 0.0f) box.add(glm::dvec3(first + glm::ivec3(v / 64, v / 8 % 8, v % 8)));
+    }
+  }
+  return box;
+}
+
+// Whether these points lie within a mesh that is convex; of others false.
+bool holds(const Mesh& mesh, const glm::dmat4& matrix, const std::vector<glm::dvec3>& points) {
+  glm::dvec3 middle(0.0);
+  for (const glm::vec3& p : mesh.positions) middle += glm::dvec3(p) / static_cast<double>(mesh.positions.size());
+  middle = transform_point(matrix, middle);
+  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    glm::dvec3 p[3];
+    for (std::size_t k = 0; k < 3; ++k) p[k] = transform_point(matrix, mesh.positions[mesh.indices[t + k]]);
+    glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const double inside = glm::dot(normal, middle - p[0]);
+    if (inside > 0.0) normal = -normal;
+    for (const glm::dvec3& point : points)
+      if (glm::dot(normal, point - p[0]) > 1e-3 * std::abs(inside)) return false;
+  }
+  return true;
+}
+
+} // namespace
+
+void read_medium(PbrtReader& reader, const std::string& name, const PbrtParams& params) {
+  const std::string type = params.text("type", "homogeneous");
+  PbrtMedium medium;
+  if (type == "homogeneous" && params.has("preset")) {
+    reader.scene.losses.add("medium by the name of a preset: clear instead");
+    medium.anisotropy = params.number("g", 0.0);
+    params.number("scale", 1.0);
+  } else if (type == "homogeneous") {
+    read_coefficients(reader, params, medium);
+  } else if (type == "nanovdb" || type == "uniformgrid") {
+    read_coefficients(reader, params, medium);
+    medium.voxels = begin_volume(reader, params, medium);
+    if (type == "nanovdb")
+      medium.path = reader.tokens.resolved(params.text("filename", ""));
+    else
+      read_uniform_grid(reader, params, *medium.voxels);
+    medium.absorption = medium.scattering = glm::dvec3(0.0); // of a body of glass: the voxels are in the air alone
+  } else {
+    reader.scene.losses.add(fmt::format("medium '{}'", type));
+    for (const PbrtParam& param : params.all) param.is_used = true;
+  }
+  tell_unused(reader, fmt::format("medium '{}'", type), params);
+  reader.media[name] = medium;
+}
+
+void fill_boundary(PbrtReader& reader, const std::string& name, const Mesh& mesh, const glm::dmat4& matrix) {
+  const PbrtMedium& medium = reader.media.at(name);
+  Description& scene = reader.scene;
+  if (!medium.voxels) return scene.losses.add("medium in the air");
+  if (reader.group) return scene.losses.add("medium of voxels in an object");
+  if (scene.volume) {
+    if (reader.volume != name) scene.losses.add("medium of voxels besides the first one");
+    return;
+  }
+  Volume volume = *medium.voxels;
+  if (!medium.path.empty()) {
+    auto bytes = read_whole_file(medium.path);
+    if (!bytes) throw Error(medium.path, "cannot be read", "put it where the scene names it");
+    volume.file = std::move(*bytes);
+  }
+  Warnings warnings;
+  const std::string& file = medium.path.empty() ? name : medium.path;
+  const VoxelGrid density = read_nanovdb(file, volume.file, warnings).density;
+  for (const auto& [text, count] : warnings.counts()) scene.losses.add(text, count);
+  const Bounds box = occupied(density);
+  std::vector<glm::dvec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(
+        transform_point(volume.matrix * density.grid_from_index,
+                        {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z}));
+  if (!holds(mesh, matrix, corners)) scene.losses.add("boundary within a medium of voxels: all voxels instead");
+  scene.volume = std::move(volume);
+  reader.volume = name;
+}
+
+} // namespace wavepath::convert
