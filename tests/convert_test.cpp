@@ -333,6 +333,26 @@ TEST(ConvertPbrt, MediumOfAUniformGrid) {
   EXPECT_EQ(lost(result.converted, "boundary"), 0u);
 }
 
+TEST(ConvertPbrt, MediumOfAnRgbGridOfOneColour) {
+  const TempFolder folder;
+  const auto text = [](const char* last) {
+    return std::string(
+               "WorldBegin\nMakeNamedMedium \"fog\" \"string type\" \"rgbgrid\" \"integer nx\" 2 \"float scale\" 3 "
+               "\"rgb sigma_a\" [1 0 0 2 0 0] \"rgb sigma_s\" [0 1 2 ") +
+           last + "]\n" + boundary("fog", 3.0) + kTriangle;
+  };
+  const Result result = of_pbrt(folder, text("0 2 4"));
+  ASSERT_TRUE(result.scene.volume);
+  expect_near(glm::dvec3(result.scene.volume->absorption), {6.0, 0.0, 0.0});
+  expect_near(glm::dvec3(result.scene.volume->scattering), {0.0, 6.0, 12.0});
+  const VoxelGrid& density = result.scene.volume->grids->density;
+  EXPECT_EQ(density.voxels.at(0), 0.5f);
+  EXPECT_EQ(density.voxels.at(64), 1.0f);
+  const Result other = of_pbrt(folder, text("0 2 3"));
+  EXPECT_FALSE(other.scene.volume);
+  EXPECT_EQ(lost(other.converted, "medium 'rgbgrid of other colours"), 1u);
+}
+
 TEST(ConvertMitsuba, MediumOfAGrid) {
   const TempFolder folder;
   std::string grid = "VOL\x03";

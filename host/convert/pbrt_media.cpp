@@ -53,9 +53,19 @@ glm::dvec3 corner(const PbrtParams& params, const char* name, double otherwise) 
   return {param->numbers[0], param->numbers[1], param->numbers[2]};
 }
 
-// Voxels are points in the middle of equal parts of a box.
-void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
-  glm::ivec3 counts(0);
+// The place of a grid of a medium: voxels are points in the middle of equal parts of a box.
+struct GridPlace {
+  glm::ivec3 counts{0};
+  glm::dmat4 matrix{1.0}; // from index space
+
+  std::size_t voxels() const {
+    return static_cast<std::size_t>(counts.x) * static_cast<std::size_t>(counts.y) * static_cast<std::size_t>(counts.z);
+  }
+};
+
+GridPlace read_place(PbrtReader& reader, const PbrtParams& params) {
+  GridPlace place;
+  glm::ivec3& counts = place.counts;
   const char* const names[] = {"nx", "ny", "nz"};
   double all = 1.0;
   for (int i = 0; i < 3; ++i) {
@@ -68,7 +78,12 @@ void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& vol
   const glm::dvec3 lo = corner(params, "p0", 0.0), hi = corner(params, "p1", 1.0);
   const glm::dvec3 step = (hi - lo) / glm::dvec3(counts);
   if (!(step.x * step.y * step.z != 0.0)) reader.tokens.fail("a grid has a box without a volume");
-  const glm::dmat4 matrix = glm::scale(glm::translate(glm::dmat4(1.0), lo + 0.5 * step), step);
+  place.matrix = glm::scale(glm::translate(glm::dmat4(1.0), lo + 0.5 * step), step);
+  return place;
+}
+
+void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
+  const auto [counts, matrix] = read_place(reader, params);
   std::vector<DenseGrid> grids;
   const PbrtParam* density = params.find("density");
   if (!density) reader.tokens.fail("a grid has no \"density\"");
@@ -77,6 +92,53 @@ void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& vol
     grids.push_back({"temperature", counts, values_of(reader, *temperature, counts), matrix});
   if (params.has("Le")) reader.scene.losses.add("light of a medium by a spectrum");
   volume.file = nanovdb_file(grids);
+}
+
+// Three numbers for each voxel; 1 where the medium has none.
+std::vector<glm::dvec3> colors_of(PbrtReader& reader, const PbrtParams& params, const char* name, std::size_t voxels) {
+  const PbrtParam* param = params.find(name);
+  std::vector<glm::dvec3> colors(voxels, glm::dvec3(1.0));
+  if (!param) return colors;
+  const std::vector<double>& numbers = param->numbers;
+  if (numbers.size() != 3 * voxels)
+    reader.tokens.fail(
+        fmt::format("\"{}\" has {} numbers, where {} voxels have three each", name, numbers.size(), voxels));
+  for (std::size_t i = 0; i < voxels; ++i) colors[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+  return colors;
+}
+
+// A grid of coefficients that have the same colours everywhere, as those of one density. False if they have not.
+bool read_rgb_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
+  constexpr double kSameColor = 1e-4;
+  const GridPlace place = read_place(reader, params);
+  const std::vector<glm::dvec3> absorption = colors_of(reader, params, "sigma_a", place.voxels()),
+                                scattering = colors_of(reader, params, "sigma_s", place.voxels());
+  const auto sum = [&](std::size_t i) {
+    const glm::dvec3 both = absorption[i] + scattering[i];
+    return both.x + both.y + both.z;
+  };
+  std::size_t densest = 0;
+  for (std::size_t i = 0; i < place.voxels(); ++i)
+    if (sum(i) > sum(densest)) densest = i;
+  const double most = sum(densest);
+  if (!(most > 0.0) || params.has("Le")) return false;
+  DenseGrid grid{"density", place.counts, {}, place.matrix};
+  for (std::size_t i = 0; i < place.voxels(); ++i) {
+    const double density = sum(i) / most;
+    for (const auto* colors : {&absorption, &scattering})
+      if (glm::length((*colors)[i] - density * (*colors)[densest]) > kSameColor * most) return false;
+    grid.values.push_back(static_cast<float>(density));
+  }
+  const double scale = params.number("scale", 1.0);
+  volume.absorption = scale * absorption[densest], volume.scattering = scale * scattering[densest];
+  volume.file = nanovdb_file({grid});
+  return true;
+}
+
+// A medium whose kind of voxels no volume has; nothing else of it is told.
+void lose_medium(PbrtReader& reader, const std::string& type, const PbrtParams& params) {
+  reader.scene.losses.add(fmt::format("medium '{}'", type));
+  for (const PbrtParam& param : params.all) param.is_used = true;
 }
 
 } // namespace
@@ -98,9 +160,15 @@ void read_medium(PbrtReader& reader, const std::string& name, const PbrtParams& 
     else
       read_uniform_grid(reader, params, *medium.voxels);
     medium.absorption = medium.scattering = glm::dvec3(0.0); // of a body of glass: the voxels are in the air alone
+  } else if (type == "rgbgrid") {
+    medium.anisotropy = params.number("g", 0.0);
+    Volume volume = begin_volume(reader, params, medium);
+    if (read_rgb_grid(reader, params, volume))
+      medium.voxels = std::move(volume);
+    else
+      lose_medium(reader, "rgbgrid of other colours here than there", params);
   } else {
-    reader.scene.losses.add(fmt::format("medium '{}'", type));
-    for (const PbrtParam& param : params.all) param.is_used = true;
+    lose_medium(reader, type, params);
   }
   tell_unused(reader, fmt::format("medium '{}'", type), params);
   reader.media[name] = medium;
