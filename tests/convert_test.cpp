@@ -333,6 +333,54 @@ TEST(ConvertPbrt, MediumOfAUniformGrid) {
   EXPECT_EQ(lost(result.converted, "boundary"), 0u);
 }
 
+TEST(ConvertPbrt, MediumOfAnRgbGridOfOneColour) {
+  const TempFolder folder;
+  const auto text = [](const char* last) {
+    return std::string(
+               "WorldBegin\nMakeNamedMedium \"fog\" \"string type\" \"rgbgrid\" \"integer nx\" 2 \"float scale\" 3 "
+               "\"rgb sigma_a\" [1 0 0 2 0 0] \"rgb sigma_s\" [0 1 2 ") +
+           last + "]\n" + boundary("fog", 3.0) + kTriangle;
+  };
+  const Result result = of_pbrt(folder, text("0 2 4"));
+  ASSERT_TRUE(result.scene.volume);
+  expect_near(glm::dvec3(result.scene.volume->absorption), {6.0, 0.0, 0.0});
+  expect_near(glm::dvec3(result.scene.volume->scattering), {0.0, 6.0, 12.0});
+  const VoxelGrid& density = result.scene.volume->grids->density;
+  EXPECT_EQ(density.voxels.at(0), 0.5f);
+  EXPECT_EQ(density.voxels.at(64), 1.0f);
+  const Result other = of_pbrt(folder, text("0 2 3"));
+  EXPECT_FALSE(other.scene.volume);
+  EXPECT_EQ(lost(other.converted, "medium 'rgbgrid of other colours"), 1u);
+}
+
+TEST(ConvertMitsuba, MediumOfAGrid) {
+  const TempFolder folder;
+  std::string grid = "VOL\x03";
+  for (const std::uint32_t word : {1u, 2u, 1u, 3u, 1u}) grid += test::GltfBuilder::word(word);
+  for (const float number : {0.f, 0.f, 0.f, 1.f, 1.f, 1.f, 1.f, 2.f, 3.f, 4.f, 5.f, 6.f})
+    grid.append(reinterpret_cast<const char*>(&number), sizeof(number));
+  folder.write("fog.vol", grid);
+  const std::string medium =
+      "<medium name='interior' type='heterogeneous'><volume name='sigma_t' type='gridvolume'><string name='filename' "
+      "value='fog.vol'/><transform name='to_world'><translate x='-.5' y='-.5' z='-.5'/><scale value='2'/></transform>"
+      "</volume><rgb name='albedo' value='1 .5 0'/><float name='scale' value='4'/><phase type='hg'><float name='g' "
+      "value='.5'/></phase></medium>";
+  const Result result = of_mitsuba(folder, "<shape type='cube'><bsdf type='null'/>" + medium + "</shape>");
+  ASSERT_TRUE(result.scene.volume);
+  EXPECT_TRUE(result.scene.instances.empty());
+  EXPECT_TRUE(result.converted.losses.empty());
+  const Volume& volume = *result.scene.volume;
+  expect_near(glm::dvec3(volume.scattering), {4.0, 2.0, 0.0});
+  expect_near(glm::dvec3(volume.absorption), {0.0, 2.0, 4.0});
+  EXPECT_EQ(volume.anisotropy, 0.5f);
+  const VoxelGrid& density = volume.grids->density;
+  EXPECT_EQ(density.voxels.at(64 + 2), 6.0f); // the last one, at x 1 and z 2
+  const glm::dmat4 world_from_index = volume.world_from_grid * density.grid_from_index;
+  expect_near(glm::dvec3(world_from_index * glm::dvec4(1, 0, 2, 1)), {0.5, 0.0, 2.0 / 3.0});
+  folder.write("fog.vol", grid.substr(0, 60));
+  EXPECT_THROW(of_mitsuba(folder, "<shape type='cube'><bsdf type='null'/>" + medium + "</shape>"), Error);
+}
+
 TEST(ConvertPbrt, MediaOfVoxelsThatAreLost) {
   const TempFolder folder;
   const auto fog = [](const std::string& name, const std::string& type) {

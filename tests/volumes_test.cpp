@@ -132,6 +132,25 @@ TEST_F(VolumeScene, FilesBesideTheSceneAlone) {
   }
 }
 
+TEST_F(VolumeScene, FileOfAnExternalAssetLiesBesideIt) {
+  const auto with_scene = [](GltfBuilder builder) {
+    builder.root["scenes"] = {{{"nodes", {0, 1}}}};
+    builder.root["scene"] = 0;
+    return builder;
+  };
+  folder.write("sub/asset.gltf", with_scene(node_with({{"file", "fog.nvdb"}})).json());
+  std::filesystem::rename(cloud(), folder.path() / "sub" / "fog.nvdb");
+  GltfBuilder whole = GltfBuilder::triangle();
+  whole.root["asset"]["version"] = "2.1";
+  whole.root["files"] = {{{"uri", "sub/asset.gltf"}, {"mimeType", "model/gltf+json"}}};
+  whole.root["externalAssets"] = {{{"file", 0}}};
+  whole.add("nodes", {{"externalAsset", 0}, {"translation", {3, 0, 0}}});
+  const Scene scene = load(with_scene(whole));
+  ASSERT_TRUE(scene.volume);
+  EXPECT_EQ(scene.volume->world_from_grid[3].x, 3.0);
+  EXPECT_EQ(scene.files.back(), (folder.path() / "sub" / "fog.nvdb").string());
+}
+
 TEST_F(VolumeScene, OneOfThemIsVisible) {
   const json volume = {{"file", "cloud.nvdb"}}, hidden = {{"KHR_node_visibility", {{"visible", false}}}};
   GltfBuilder two = node_with(volume);

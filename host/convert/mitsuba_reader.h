@@ -72,6 +72,11 @@ Texture read_metal_of(MitsubaReader& reader, const pugi::xml_node& node);
 // mitsuba_bsdf.cpp
 Material read_bsdf(MitsubaReader& reader, const pugi::xml_node& node);
 
+// mitsuba_media.cpp
+bool is_of_voxels(const MitsubaReader& reader, const pugi::xml_node& medium);
+// Such a medium within a shape that is a boundary and nothing else.
+void fill_boundary(MitsubaReader& reader, const pugi::xml_node& medium, const Mesh& mesh, const glm::dmat4& matrix);
+
 // mitsuba_shapes.cpp
 void read_shape_of(MitsubaReader& reader, const pugi::xml_node& node);
 

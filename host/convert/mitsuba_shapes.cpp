@@ -82,7 +82,7 @@ std::uint32_t mesh_of(MitsubaReader& reader, const std::string& key, const Make&
 
 void set_medium(MitsubaReader& reader, const pugi::xml_node& node, Material& material, std::string& key) {
   const pugi::xml_node medium = named_child(reader, node, "interior");
-  if (!medium) return;
+  if (!medium || (material.is_boundary && is_of_voxels(reader, medium))) return;
   if (attribute(reader, medium, "type") != "homogeneous" || material.transmission == 0.0 || !material.volume) {
     reader.scene.losses.add(material.is_boundary ? "medium in the air"
                                                  : "medium that is not uniform, or in an opaque body");
@@ -139,7 +139,7 @@ std::uint32_t material_of(MitsubaReader& reader, const pugi::xml_node& node, boo
   return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
 }
 
-std::optional<Shape> to_shape(MitsubaReader& reader, const pugi::xml_node& node) {
+std::optional<Shape> to_shape(MitsubaReader& reader, const pugi::xml_node& node, bool in_group) {
   const std::string type = attribute(reader, node, "type");
   const bool flips = read_bool(reader, node, "flip_normals", false);
   Shape shape;
@@ -172,6 +172,13 @@ std::optional<Shape> to_shape(MitsubaReader& reader, const pugi::xml_node& node)
   bool is_visible = true;
   shape.material = material_of(reader, node, is_visible);
   if (is_visible) return shape;
+  if (const pugi::xml_node medium = named_child(reader, node, "interior"); is_of_voxels(reader, medium)) {
+    if (in_group)
+      reader.scene.losses.add("medium of voxels in a group of shapes");
+    else
+      fill_boundary(reader, medium, reader.scene.meshes[shape.mesh], shape.matrix);
+    return std::nullopt;
+  }
   reader.scene.losses.add("boundary of a medium without a surface left out");
   return std::nullopt;
 }
@@ -182,7 +189,7 @@ void read_shape_of(MitsubaReader& reader, const pugi::xml_node& node) {
   const std::string type = attribute(reader, node, "type");
   if (type == "shapegroup") return; // read where it is used
   if (type != "instance") {
-    if (std::optional<Shape> shape = to_shape(reader, node)) reader.scene.shapes.push_back(*std::move(shape));
+    if (std::optional<Shape> shape = to_shape(reader, node, false)) reader.scene.shapes.push_back(*std::move(shape));
     return;
   }
   const std::vector<pugi::xml_node> groups = children_of(reader, node, "shape");
@@ -193,7 +200,7 @@ void read_shape_of(MitsubaReader& reader, const pugi::xml_node& node) {
     std::vector<Shape> shapes;
     for (const pugi::xml_node& part : children_of(reader, groups[0], "shape")) {
       if (attribute(reader, part, "type") == "instance") fail_at(reader, part, "a shape group holds an instance");
-      if (std::optional<Shape> shape = to_shape(reader, part)) shapes.push_back(*std::move(shape));
+      if (std::optional<Shape> shape = to_shape(reader, part, true)) shapes.push_back(*std::move(shape));
     }
     reader.scene.groups.push_back(std::move(shapes));
   }

@@ -1,7 +1,6 @@
 // Media of pbrt-v4. Those of voxels become the volume of the scene.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -10,9 +9,7 @@
 #include "host/base/read_file.h"
 #include "host/convert/grid_files.h"
 #include "host/convert/pbrt_reader.h"
-#include "host/scene/bounds.h"
-#include "host/scene/material.h"
-#include "host/scene/nanovdb/nanovdb.h"
+#include "host/convert/volumes.h"
 
 namespace wavepath::convert {
 namespace {
@@ -56,9 +53,19 @@ glm::dvec3 corner(const PbrtParams& params, const char* name, double otherwise) 
   return {param->numbers[0], param->numbers[1], param->numbers[2]};
 }
 
-// Voxels are points in the middle of equal parts of a box.
-void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
-  glm::ivec3 counts(0);
+// The place of a grid of a medium: voxels are points in the middle of equal parts of a box.
+struct GridPlace {
+  glm::ivec3 counts{0};
+  glm::dmat4 matrix{1.0}; // from index space
+
+  std::size_t voxels() const {
+    return static_cast<std::size_t>(counts.x) * static_cast<std::size_t>(counts.y) * static_cast<std::size_t>(counts.z);
+  }
+};
+
+GridPlace read_place(PbrtReader& reader, const PbrtParams& params) {
+  GridPlace place;
+  glm::ivec3& counts = place.counts;
   const char* const names[] = {"nx", "ny", "nz"};
   double all = 1.0;
   for (int i = 0; i < 3; ++i) {
@@ -71,7 +78,12 @@ void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& vol
   const glm::dvec3 lo = corner(params, "p0", 0.0), hi = corner(params, "p1", 1.0);
   const glm::dvec3 step = (hi - lo) / glm::dvec3(counts);
   if (!(step.x * step.y * step.z != 0.0)) reader.tokens.fail("a grid has a box without a volume");
-  const glm::dmat4 matrix = glm::scale(glm::translate(glm::dmat4(1.0), lo + 0.5 * step), step);
+  place.matrix = glm::scale(glm::translate(glm::dmat4(1.0), lo + 0.5 * step), step);
+  return place;
+}
+
+void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
+  const auto [counts, matrix] = read_place(reader, params);
   std::vector<DenseGrid> grids;
   const PbrtParam* density = params.find("density");
   if (!density) reader.tokens.fail("a grid has no \"density\"");
@@ -82,40 +94,51 @@ void read_uniform_grid(PbrtReader& reader, const PbrtParams& params, Volume& vol
   volume.file = nanovdb_file(grids);
 }
 
-// Box of the voxels whose density is not 0, as points of index space.
-Bounds occupied(const VoxelGrid& grid) {
-  Bounds box;
-  for (std::size_t i = 0; i < grid.bricks.size(); ++i) {
-    const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.brick_counts.x));
-    const auto rows = i / static_cast<std::size_t>(grid.brick_counts.x);
-    const auto y = static_cast<int>(rows % static_cast<std::size_t>(grid.brick_counts.y));
-    const auto z = static_cast<int>(rows / static_cast<std::size_t>(grid.brick_counts.y));
-    const glm::ivec3 first = grid.first + kBrickSide * glm::ivec3(x, y, z);
-    for (int v = 0; v < static_cast<int>(kBrickVoxels); ++v) {
-      const std::uint32_t stored = grid.bricks[i];
-      const float value =
-          stored == kNoIndex ? grid.constants[i] : grid.voxels[stored * kBrickVoxels + static_cast<std::size_t>(v)];
-      if (value != 0.0f) box.add(glm::dvec3(first + glm::ivec3(v / 64, v / 8 % 8, v % 8)));
-    }
-  }
-  return box;
+// Three numbers for each voxel; 1 where the medium has none.
+std::vector<glm::dvec3> colors_of(PbrtReader& reader, const PbrtParams& params, const char* name, std::size_t voxels) {
+  const PbrtParam* param = params.find(name);
+  std::vector<glm::dvec3> colors(voxels, glm::dvec3(1.0));
+  if (!param) return colors;
+  const std::vector<double>& numbers = param->numbers;
+  if (numbers.size() != 3 * voxels)
+    reader.tokens.fail(
+        fmt::format("\"{}\" has {} numbers, where {} voxels have three each", name, numbers.size(), voxels));
+  for (std::size_t i = 0; i < voxels; ++i) colors[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+  return colors;
 }
 
-// Whether these points lie within a mesh that is convex; of others false.
-bool holds(const Mesh& mesh, const glm::dmat4& matrix, const std::vector<glm::dvec3>& points) {
-  glm::dvec3 middle(0.0);
-  for (const glm::vec3& p : mesh.positions) middle += glm::dvec3(p) / static_cast<double>(mesh.positions.size());
-  middle = transform_point(matrix, middle);
-  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
-    glm::dvec3 p[3];
-    for (std::size_t k = 0; k < 3; ++k) p[k] = transform_point(matrix, mesh.positions[mesh.indices[t + k]]);
-    glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const double inside = glm::dot(normal, middle - p[0]);
-    if (inside > 0.0) normal = -normal;
-    for (const glm::dvec3& point : points)
-      if (glm::dot(normal, point - p[0]) > 1e-3 * std::abs(inside)) return false;
+// A grid of coefficients that have the same colours everywhere, as those of one density. False if they have not.
+bool read_rgb_grid(PbrtReader& reader, const PbrtParams& params, Volume& volume) {
+  constexpr double kSameColor = 1e-4;
+  const GridPlace place = read_place(reader, params);
+  const std::vector<glm::dvec3> absorption = colors_of(reader, params, "sigma_a", place.voxels()),
+                                scattering = colors_of(reader, params, "sigma_s", place.voxels());
+  const auto sum = [&](std::size_t i) {
+    const glm::dvec3 both = absorption[i] + scattering[i];
+    return both.x + both.y + both.z;
+  };
+  std::size_t densest = 0;
+  for (std::size_t i = 0; i < place.voxels(); ++i)
+    if (sum(i) > sum(densest)) densest = i;
+  const double most = sum(densest);
+  if (!(most > 0.0) || params.has("Le")) return false;
+  DenseGrid grid{"density", place.counts, {}, place.matrix};
+  for (std::size_t i = 0; i < place.voxels(); ++i) {
+    const double density = sum(i) / most;
+    for (const auto* colors : {&absorption, &scattering})
+      if (glm::length((*colors)[i] - density * (*colors)[densest]) > kSameColor * most) return false;
+    grid.values.push_back(static_cast<float>(density));
   }
+  const double scale = params.number("scale", 1.0);
+  volume.absorption = scale * absorption[densest], volume.scattering = scale * scattering[densest];
+  volume.file = nanovdb_file({grid});
   return true;
+}
+
+// A medium whose kind of voxels no volume has; nothing else of it is told.
+void lose_medium(PbrtReader& reader, const std::string& type, const PbrtParams& params) {
+  reader.scene.losses.add(fmt::format("medium '{}'", type));
+  for (const PbrtParam& param : params.all) param.is_used = true;
 }
 
 } // namespace
@@ -137,9 +160,15 @@ void read_medium(PbrtReader& reader, const std::string& name, const PbrtParams& 
     else
       read_uniform_grid(reader, params, *medium.voxels);
     medium.absorption = medium.scattering = glm::dvec3(0.0); // of a body of glass: the voxels are in the air alone
+  } else if (type == "rgbgrid") {
+    medium.anisotropy = params.number("g", 0.0);
+    Volume volume = begin_volume(reader, params, medium);
+    if (read_rgb_grid(reader, params, volume))
+      medium.voxels = std::move(volume);
+    else
+      lose_medium(reader, "rgbgrid of other colours here than there", params);
   } else {
-    reader.scene.losses.add(fmt::format("medium '{}'", type));
-    for (const PbrtParam& param : params.all) param.is_used = true;
+    lose_medium(reader, type, params);
   }
   tell_unused(reader, fmt::format("medium '{}'", type), params);
   reader.media[name] = medium;
@@ -150,29 +179,15 @@ void fill_boundary(PbrtReader& reader, const std::string& name, const Mesh& mesh
   Description& scene = reader.scene;
   if (!medium.voxels) return scene.losses.add("medium in the air");
   if (reader.group) return scene.losses.add("medium of voxels in an object");
-  if (scene.volume) {
-    if (reader.volume != name) scene.losses.add("medium of voxels besides the first one");
-    return;
-  }
+  if (scene.volume && reader.volume == name) return; // a boundary of several shapes
   Volume volume = *medium.voxels;
   if (!medium.path.empty()) {
     auto bytes = read_whole_file(medium.path);
     if (!bytes) throw Error(medium.path, "cannot be read", "put it where the scene names it");
     volume.file = std::move(*bytes);
   }
-  Warnings warnings;
-  const std::string& file = medium.path.empty() ? name : medium.path;
-  const VoxelGrid density = read_nanovdb(file, volume.file, warnings).density;
-  for (const auto& [text, count] : warnings.counts()) scene.losses.add(text, count);
-  const Bounds box = occupied(density);
-  std::vector<glm::dvec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.push_back(
-        transform_point(volume.matrix * density.grid_from_index,
-                        {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z}));
-  if (!holds(mesh, matrix, corners)) scene.losses.add("boundary within a medium of voxels: all voxels instead");
-  scene.volume = std::move(volume);
-  reader.volume = name;
+  if (!scene.volume) reader.volume = name;
+  set_volume(scene, std::move(volume), medium.path.empty() ? name : medium.path, mesh, matrix);
 }
 
 } // namespace wavepath::convert

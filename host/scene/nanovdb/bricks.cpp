@@ -79,7 +79,7 @@ std::vector<Placed> read_leaves(const std::string& file, const std::string& what
     placed.push_back({leaf.first, kNoIndex, values[0]});
     if (constant) continue;
     if (grid.voxels.size() + kBrickVoxels > kMostVoxels)
-      throw Error(file, fmt::format("{} has more than {} voxels that differ from others", what, kMostVoxels),
+      throw Error(file, fmt::format("{} has more than {} voxels in bricks of several values", what, kMostVoxels),
                   kSmallerGrid);
     placed.back() = {leaf.first, static_cast<std::uint32_t>(grid.voxels.size() / kBrickVoxels), 0.0f};
     grid.voxels.insert(grid.voxels.end(), values.begin(), values.end());
