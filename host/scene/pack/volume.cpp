@@ -14,7 +14,7 @@ namespace wavepath {
 namespace {
 
 // Voxels along the edge of a cell. Smaller ones bound the density more tightly, and rays take more steps.
-constexpr std::uint32_t kCellSide = 8;
+constexpr std::uint32_t kCellSide = 4;
 // Cells of a huge volume are larger, so that no more than these are stored.
 constexpr std::uint64_t kMostCells = 1u << 22;
 
