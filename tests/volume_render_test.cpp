@@ -10,6 +10,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/render/render.h"
 #include "host/scene/blackbody.h"
+#include "host/scene/pack/light_groups.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
@@ -262,6 +263,70 @@ TEST_F(VolumeRender, IntegratorsAgree) {
   asked.techniques = gpu::kTechniqueConnect | gpu::kTechniqueSplat | gpu::kTechniqueHit;
   const glm::dvec3 without_light_samples = mean(scene, view, asked);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(without_light_samples[c] / by_path[c], 1.0, 0.02) << "channel " << c;
+}
+
+// Large and small coefficients, grids and distances; rays along the planes between cells; a camera within.
+TEST_F(VolumeRender, HoldsInStiffCases) {
+  const glm::dvec3 albedo(0.5, 0.9, 0.98);
+  // A voxel is 1.9 m: 190 free paths.
+  Volume deep = sampled_volume({-30, -30, -30}, {30, 30, 30}, 32, [](const glm::dvec3&) { return 1.0; });
+  deep.scattering = glm::vec3(100.0 * albedo), deep.absorption = glm::vec3(100.0 * (1.0 - albedo));
+  const glm::dvec3 reflected =
+      mean(scene_of(deep, glm::vec3(1.0f)), orthographic({0, 30, 0}, {0, -1, 0}, 0.5, 100.0), plan(96, 2000));
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(reflected[c], 1.0 - chandrasekhar_h(1.0, albedo[c]) * std::sqrt(1.0 - albedo[c]), 0.012) << c;
+
+  for (const double size : {1e-3, 1e4}) {
+    Volume smoke = sampled_volume({-size, -size, -size}, {size, size, size}, 40,
+                                  [&](const glm::dvec3& p) { return lump(p / size); });
+    smoke.scattering = glm::vec3(0.0f), smoke.absorption = glm::vec3(glm::dvec3(0.5, 1.5, 4.0) / size);
+    const glm::dvec3 along(0.0, 0.0, 1.0), target = glm::dvec3(0.1, -0.2, 0.0) * size; // on planes of voxels
+    const glm::dvec3 seen =
+        mean(scene_of(smoke, glm::vec3(1.0f)), orthographic(target, along, 1e-7 * size, 3.0 * size), plan(4096, 8));
+    const double depth = optical_depth(smoke, target - 3.0 * size * along, target + 3.0 * size * along);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(seen[c], std::exp(-depth * smoke.absorption[c]), 0.003) << "size " << size << ", channel " << c;
+  }
+
+  Volume nothing = slab_volume(2.0, 2.0); // far below what a float beside 1 shows
+  nothing.scattering = nothing.absorption = glm::vec3(1e-30f);
+  Volume wall = slab_volume(2.0, 2.0); // nothing passes
+  wall.scattering = glm::vec3(0.0f), wall.absorption = glm::vec3(1e30f);
+  const View through = orthographic({0, 0, 0}, {0, -1, 0}, 0.5, 9.0);
+  EXPECT_EQ(mean(scene_of(nothing, glm::vec3(1.0f)), through, plan(64, 8)), glm::dvec3(1.0));
+  EXPECT_EQ(mean(scene_of(wall, glm::vec3(1.0f)), through, plan(64, 8)), glm::dvec3(0.0));
+
+  Volume cloud = sampled_volume({-1, -1, -1}, {1, 1, 1}, 40, lump);
+  cloud.scattering = glm::vec3(3.0f);
+  const glm::dvec3 inside =
+      mean(scene_of(cloud, glm::vec3(1.0f)), orthographic({0, 0, 0}, {0, 0, 1}, 0.3, 0.1), plan(256, 2000));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(inside[c], 1.0, 0.01);
+}
+
+// What glows is a light of its own, and groups of lights add up to the picture.
+TEST_F(VolumeRender, FireIsALightGroup) {
+  Volume fire = slab_volume(2.0, 4.0);
+  VolumeGrids grids = *fire.grids;
+  grids.temperature = sampled_grid({-6, -3, -6}, {6, 3, 6}, 10, [](const glm::dvec3&) { return 3000.0; });
+  fire.grids = std::make_shared<const VolumeGrids>(std::move(grids));
+  fire.scattering = fire.absorption = glm::vec3(0.3f);
+  fire.emission = 1.0f;
+  Scene scene = scene_of(fire, glm::vec3(0.2f));
+  RenderPlan asked = plan(64, 4);
+  asked.light_groups = {"volume"};
+  asked.group_names = find_group_names(scene, asked.light_groups);
+  ASSERT_EQ(asked.group_names, (std::vector<std::string>{"volume", "rest"}));
+  const View view = orthographic({0, 0, 0}, {0.1, -1.0, 0.2}, 0.1, 8.0);
+  const PackedScene packed = pack(scene, {.eye = view.position, .light_groups = asked.light_groups});
+  const Picture picture = render(device(), packed, view, asked, RenderHooks{}, shared_kernels(device())).picture;
+  const auto channel = [&](const std::string& name) {
+    const auto found = std::ranges::find(picture.channels, name, &Channel::name);
+    EXPECT_NE(found, picture.channels.end()) << name;
+    return found->values[0];
+  };
+  EXPECT_GT(channel("group.volume.R"), 0.05f);
+  EXPECT_GT(channel("group.rest.R"), 0.02f);
+  EXPECT_NEAR(channel("group.volume.R") + channel("group.rest.R"), picture.channels[0].values[0], 1e-4);
 }
 
 } // namespace

@@ -250,7 +250,8 @@ GPU_CONSTANT uint kGroupEnvironment = 1u; // group of the environment
 GPU_CONSTANT uint kGroupMaterials = 2u;   // index of the first word of the materials
 GPU_CONSTANT uint kGroupInstances = 3u;   // of the instances; 0 = there are none. kNone: go by the triangle
 GPU_CONSTANT uint kGroupTriangles = 4u;   // of the triangles; 0 = there are none
-GPU_CONSTANT uint kGroupLights = 5u;      // the first word of the lights
+GPU_CONSTANT uint kGroupVolume = 5u;      // group of the volume
+GPU_CONSTANT uint kGroupLights = 6u;      // the first word of the lights
 GPU_CONSTANT uint kMostLightGroups = 16u;
 
 // Of 2^n intervals there are 2^(n - kCutShift) cuts (host/scene/pack/intervals.h), and no more than 2^kMostCutBits.

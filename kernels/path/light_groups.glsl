@@ -11,6 +11,7 @@
 uint group_word(uint index) { return texelFetch(group_table, int(index)).x; }
 uint group_count() { return group_word(kGroupCount); }
 uint group_of_environment() { return group_word(kGroupEnvironment); }
+uint group_of_volume() { return group_word(kGroupVolume); }
 // `light`: index of a light, or kNone for a sky that paths look for by themselves.
 uint group_of_light(uint light) { return light == kNone ? group_of_environment() : group_word(kGroupLights + light); }
 

@@ -5,6 +5,7 @@
 
 #include "kernels/base/dimensions.glsl"
 #include "kernels/path/bodies.glsl"
+#include "kernels/path/light_groups.glsl"
 #include "kernels/surface/surface.glsl"
 #include "kernels/volume/collision.glsl"
 #include "kernels/volume/phase.glsl"
@@ -26,7 +27,10 @@ bool scatter_in_volume(Ray ray, float end, Sampler path_sampler, inout PathState
   VolumeCoefficients coefficients = fetch_coefficients();
   bool is_scattered = collide(coefficients, ray.origin, ray.direction, end, sample_2d(path_sampler, kDimensionVolume + wave.bounce),
                               path.throughput, shines, distance_);
-  if (HAS_FIRE) add_radiance(path, ray.slot, shines);
+  if (HAS_FIRE) {
+    add_radiance(path, ray.slot, shines);
+    if (HAS_LIGHT_GROUPS) add_to_group(group_of_volume(), ray.slot, shines);
+  }
   if (!is_scattered) return false;
   vec2 u = sample_2d(path_sampler, bounce_dimension(wave.bounce) + kDimensionDirection);
   vec3 direction = sample_phase(coefficients.anisotropy, ray.direction, u);

@@ -7,8 +7,8 @@
 #include "kernels/volume/cells.glsl"
 #include "kernels/volume/random.glsl"
 
-// More steps than any ray of a sound volume takes. lavapipe ends loops after 65,535 without a word; a ray that comes to
-// these is not finite, and counted as such.
+// More steps than rays take through volumes as dense as the host lets them be (volume_thinning()). lavapipe ends loops
+// after 65,535 without a word; a ray that comes to these is not finite, and counted as such.
 const uint kMostSteps = 60000u;
 
 // Light that is fainter passes by Russian roulette with this probability, and is then as many times brighter.

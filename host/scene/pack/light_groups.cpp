@@ -60,6 +60,7 @@ std::vector<LightSource> list_sources(const Scene& scene) {
     sources.push_back({name, node, node.empty() ? name : fmt::format("{} on {}", name, node)});
   });
   if (scene.environment.present()) sources.push_back({kEnvironmentGroup, "", kEnvironmentGroup});
+  if (scene.volume && scene.volume->shines()) sources.push_back({kVolumeGroup, "", kVolumeGroup});
   return sources;
 }
 
@@ -112,6 +113,7 @@ LightGroups find_light_groups(const Scene& scene, const std::vector<std::string>
       groups.of_nodes[instance.node] = group_of(scene.node_names[instance.node], "");
   });
   groups.of_environment = group_of(kEnvironmentGroup, "");
+  groups.of_volume = group_of(kVolumeGroup, "");
 
   const bool has_others = std::ranges::any_of(
       sources, [&](const LightSource& source) { return group_of(source.first, source.second) == kNoIndex; });
@@ -152,6 +154,7 @@ void pack_light_groups(const LightGroups& groups, std::span<const std::uint32_t>
   std::vector<std::uint32_t> words(gpu::kGroupLights);
   words[gpu::kGroupCount] = static_cast<std::uint32_t>(groups.names.size());
   words[gpu::kGroupEnvironment] = or_others(groups.of_environment);
+  words[gpu::kGroupVolume] = or_others(groups.of_volume);
   const auto of_node = [&](std::uint32_t node) {
     return or_others(node < groups.of_nodes.size() ? groups.of_nodes[node] : kNoIndex);
   };

@@ -204,12 +204,18 @@ void take_environment(PackMemory& memory, PackedScene& packed) {
 }
 
 // The volume, whose voxels are those of the memory if they come from the same grids. A volume without density is none.
-void pack_volume(const Scene& scene, PackMemory& memory, PackedScene& packed) {
+void pack_volume(Scene& scene, PackMemory& memory, PackedScene& packed) {
   if (!scene.volume) return;
   std::shared_ptr<const PackedVoxels> before = std::move(memory.packed.voxels);
   memory.kept.voxels = before && before->grids == scene.volume->grids;
   packed.voxels = memory.kept.voxels ? std::move(before) : pack_voxels(scene.volume->grids);
-  packed.volume = volume_frame(*scene.volume, *packed.voxels, packed.origin);
+  Volume volume = *scene.volume;
+  if (const double factor = volume_thinning(volume, *packed.voxels); factor < 1.0) {
+    volume.scattering = glm::vec3(glm::dvec3(volume.scattering) * factor);
+    volume.absorption = glm::vec3(glm::dvec3(volume.absorption) * factor);
+    scene.warnings.add("the volume is denser than can be resolved, and was thinned to an optical depth of 256 a voxel");
+  }
+  packed.volume = volume_frame(volume, *packed.voxels, packed.origin);
   if (packed.voxels->cells.x == 0 || !(packed.volume.extinction > 0.0f)) packed.voxels.reset();
 }
 
@@ -320,6 +326,7 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
   const Bounds bounds = world_bounds(scene);
   packed.origin = eye && !bounds.empty() ? glm::clamp(*eye, bounds.lo, bounds.hi) : bounds.centre();
   packed.radius = bounds.radius();
+  if (scene.volume) packed.radius += voxel_metres(*scene.volume); // the outer voxels reach beyond the box
   packed.centre = glm::vec3(bounds.centre() - packed.origin);
 }
 

@@ -14,9 +14,12 @@ namespace wavepath {
 namespace {
 
 // Voxels along the edge of a cell. Smaller ones bound the density more tightly, and rays take more steps.
-constexpr std::uint32_t kCellSide = 4;
+constexpr std::uint32_t kCellSide = 8;
 // Cells of a huge volume are larger, so that no more than these are stored.
 constexpr std::uint64_t kMostCells = 1u << 22;
+// Optical depth across a voxel. Light gets no deeper than a tenth of one then. In denser ones floats would not
+// tell the places of collisions apart, and rays along the rim of a volume would take too many steps (kMostSteps).
+constexpr double kMostDepth = 256.0;
 
 struct Range {
   glm::ivec3 lo{std::numeric_limits<int>::max()}, hi{std::numeric_limits<int>::min()};
@@ -96,6 +99,12 @@ void pack_cells(const VoxelGrid& density, PackedVoxels& packed) {
   });
 }
 
+float largest_bound(const std::vector<glm::uvec2>& cells) {
+  float most = 0.0f;
+  for (const glm::uvec2& cell : cells) most = std::max(most, std::bit_cast<float>(cell.x));
+  return most;
+}
+
 // Appends the bricks and the voxels of a grid.
 gpu::VoxelBox pack_bricks(const VoxelGrid& grid, PackedVoxels& packed) {
   const auto first_brick = static_cast<std::uint32_t>(packed.voxels.size() / kBrickVoxels);
@@ -146,6 +155,7 @@ std::shared_ptr<const PackedVoxels> pack_voxels(const std::shared_ptr<const Volu
   while (too_many()) packed->cell_side *= 2;
   packed->cells = cells_for(intervals, packed->cell_side);
   pack_cells(grids->density, *packed);
+  packed->largest_density = largest_bound(packed->grid);
   packed->density = pack_bricks(grids->density, *packed);
   if (grids->temperature) {
     packed->temperature = pack_bricks(*grids->temperature, *packed);
@@ -181,6 +191,20 @@ gpu::VolumeFrame volume_frame(const Volume& volume, const PackedVoxels& packed, 
   frame.kelvin_offset = volume.temperature_offset;
   frame.first_kelvin = packed.first_kelvin;
   return frame;
+}
+
+double voxel_metres(const Volume& volume) {
+  const glm::dmat4 world_from_index = volume.world_from_grid * volume.grids->density.grid_from_index;
+  double longest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(glm::dvec3(world_from_index[axis])));
+  return longest;
+}
+
+double volume_thinning(const Volume& volume, const PackedVoxels& packed) {
+  const glm::dvec3 extinction = glm::dvec3(volume.scattering) + glm::dvec3(volume.absorption);
+  const double depth =
+      voxel_metres(volume) * packed.largest_density * std::max({extinction.x, extinction.y, extinction.z});
+  return depth > kMostDepth ? kMostDepth / depth : 1.0;
 }
 
 std::uint64_t voxel_bytes(const VolumeGrids& grids) {

@@ -22,6 +22,7 @@ struct PackedVoxels {
   std::vector<float> voxels;                // as kBindVoxels has it, colours of black bodies included
   gpu::VoxelBox density{}, temperature{};
   std::uint32_t first_kelvin = 0;
+  float largest_density = 0.0f;
 
   std::uint64_t bytes() const { return grid.size() * sizeof(glm::uvec2) + voxels.size() * sizeof(float); }
 };
@@ -30,6 +31,12 @@ std::shared_ptr<const PackedVoxels> pack_voxels(const std::shared_ptr<const Volu
 
 // `origin`: world position of the device's origin.
 gpu::VolumeFrame volume_frame(const Volume& volume, const PackedVoxels& packed, const glm::dvec3& origin);
+
+// The longest edge of a voxel of density, in metres of the world.
+double voxel_metres(const Volume& volume);
+
+// Factor on both coefficients of a volume that is denser than kernels resolve; 1 of all others.
+double volume_thinning(const Volume& volume, const PackedVoxels& packed);
 
 // Bytes of pack_voxels(), before they are there.
 std::uint64_t voxel_bytes(const VolumeGrids& grids);
