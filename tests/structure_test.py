@@ -18,7 +18,8 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 
 # A file includes only files of its own folder and of those before it.
 DOWNHILL = [
-    "bvh", "ktx", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/volume", "kernels/film", "kernels/display",
+    "bvh", "ktx", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/volume", "kernels/film",
+    "kernels/display",
     "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid",
     "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted",
     "kernels/selftest", "kernels/bench",

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/scene/material.h"
 #include "host/scene/volume.h"
 
 namespace wavepath::test {

@@ -1,5 +1,5 @@
-// Tracks every ray of camera paths through the volume, as path/collide.comp does. Light that the volume scatters is found
-// from the camera alone, by light samples and by chance: light paths pass the volume, or are lost there. The sign of
+// Tracks every ray of camera paths through the volume, as path/collide.comp does. Light that the volume scatters is
+// found from the camera alone, by light samples and by chance: light paths pass the volume, dimmed. The sign of
 // PathState::eta_scale says of a camera path that it was scattered.
 #version 460
 #extension GL_GOOGLE_include_directive : require

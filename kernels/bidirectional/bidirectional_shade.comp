@@ -169,8 +169,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe
   path.eta_scale *= s.eta_scale;
-  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale)); // a larger one, as in path/shade.comp, gains
-                                                                          // nothing
+  // A larger one, as in path/shade.comp, gains nothing.
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;

@@ -70,7 +70,7 @@ struct Connection {
   uint instance; // instance of that triangle
   uint pixel;    // pixel, in tile order, that gains the light; unused if the slot's path gains it
   uint group;    // of lights (kFeatureLightGroups)
-  uint in_body; // 1: it runs within a body, which displaces the volume (kFeatureVoxels)
+  uint in_body;  // 1: it runs within a body, which displaces the volume (kFeatureVoxels)
   uint pad0;
 };
 GPU_CHECK(sizeof(Connection) == 64);

@@ -1,7 +1,7 @@
-// Where light that follows a ray is scattered within the volume: tracking of collisions with the largest density of each
-// cell, real and null ones (Woodcock 1965), without bias. Of the real ones, the part that the smallest density of the
-// cell has is known without a look at the voxels: decomposition tracking (Kutz, Habel, Li and Novak 2017), and weights
-// by channel as they have it. Include kernels/volume/bindings.glsl first.
+// Where light that follows a ray is scattered within the volume: tracking of collisions with the largest density of
+// each cell, real and null ones (Woodcock 1965), without bias. Of the real ones, the part that the smallest density of
+// the cell has is known without a look at the voxels: decomposition tracking (Kutz, Habel, Li and Novak 2017), and
+// weights by channel as they have it. Include kernels/volume/bindings.glsl first.
 #ifndef WAVEPATH_VOLUME_COLLISION_GLSL
 #define WAVEPATH_VOLUME_COLLISION_GLSL
 
@@ -12,8 +12,8 @@ float sum_of(vec3 v) { return v.x + v.y + v.z; }
 // Follows a ray of unit direction. True: it is scattered at `distance_`. Multiplies the throughput, and adds to the
 // radiance what black bodies send along the way. `first`: random numbers of the first collision. Call begin_random()
 // before.
-bool collide(VolumeCoefficients coefficients, vec3 origin, vec3 direction, float t_max, vec2 first, inout vec3 throughput, inout vec3 radiance,
-             out float distance_) {
+bool collide(VolumeCoefficients coefficients, vec3 origin, vec3 direction, float t_max, vec2 first,
+             inout vec3 throughput, inout vec3 radiance, out float distance_) {
   distance_ = t_max;
   CellWalk walk;
   if (!begin_walk(origin, direction, t_max, walk)) return false;

@@ -28,7 +28,7 @@ struct DeviceScene {
   Buffer nodes; // BVH nodes; for ray queries, QueryScene::items
   Buffer triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
-  Buffer volume, volume_grid, voxels; // see PackedVoxels; empty without a volume
+  Buffer volume, volume_grid, voxels;     // see PackedVoxels; empty without a volume
   std::optional<QueryStructures> queries; // structures for ray queries; empty: kernels traverse `nodes`
   std::vector<Buffer> texels;             // pages of 1 << gpu::kTexelPageShift words; at least one page
   AtlasImages atlases;                    // null unless the device's samplers look textures up
