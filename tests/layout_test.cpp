@@ -27,6 +27,7 @@
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
 #include "kernels/path/path_types.h"
+#include "kernels/volume/voxel_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
 
@@ -282,7 +283,8 @@ TEST(Layout, Bidirectional) {
            AT(LightVertex, others), AT(LightVertex, outside), AT(LightVertex, group)});
   compare("Connection", sizeof(Connection),
           {AT(Connection, origin), AT(Connection, slot), AT(Connection, direction), AT(Connection, triangle),
-           AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel), AT(Connection, group)});
+           AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel), AT(Connection, group),
+           AT(Connection, in_body)});
   compare("ConnectionQueue", sizeof(ConnectionQueue), {AT(ConnectionQueue, count), AT(ConnectionQueue, groups)});
   compare("PhotonFrame", sizeof(PhotonFrame),
           {AT(PhotonFrame, path_count), AT(PhotonFrame, cell_count), AT(PhotonFrame, radius), AT(PhotonFrame, density),
@@ -322,6 +324,16 @@ TEST(Layout, Filters) {
           {AT(Reprojection, now), AT(Reprojection, before), AT(Reprojection, width), AT(Reprojection, height),
            AT(Reprojection, remembers), AT(Reprojection, still)});
   compare("FilterBand", sizeof(FilterBand), {AT(FilterBand, first_tile), AT(FilterBand, step)});
+}
+
+TEST(Layout, Volumes) {
+  compare("VoxelBox", sizeof(VoxelBox), {AT(VoxelBox, first), AT(VoxelBox, texel), AT(VoxelBox, bricks)});
+  compare("VolumeFrame", sizeof(VolumeFrame),
+          {AT(VolumeFrame, cells_from_world), AT(VolumeFrame, temperature_from_cells), AT(VolumeFrame, first_voxel),
+           AT(VolumeFrame, cell_side), AT(VolumeFrame, density), AT(VolumeFrame, temperature), AT(VolumeFrame, cells),
+           AT(VolumeFrame, first_cell), AT(VolumeFrame, scattering), AT(VolumeFrame, extinction),
+           AT(VolumeFrame, absorption), AT(VolumeFrame, anisotropy), AT(VolumeFrame, emission),
+           AT(VolumeFrame, kelvin_scale), AT(VolumeFrame, kelvin_offset), AT(VolumeFrame, first_kelvin)});
 }
 
 TEST(Layout, EveryStructIsInTheProbe) {

@@ -14,6 +14,7 @@
 #include "kernels/hybrid/shading/shading_types.h"
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
+#include "kernels/volume/voxel_types.h"
 #include "kernels/whitted/whitted_types.h"
 
 layout(local_size_x = 1) in;
@@ -62,6 +63,8 @@ layout(set = 0, binding = 39, std430) buffer ShadowViews { ShadowView shadow_vie
 layout(set = 0, binding = 40, std430) buffer ShadowFrames { ShadowFrame shadow_frames[]; };
 layout(set = 0, binding = 41, std430) buffer ShadowCountBlocks { ShadowCounts shadow_counts[]; };
 layout(set = 0, binding = 42, std430) buffer ShadingFrames { ShadingFrame shading_frames[]; };
+layout(set = 0, binding = 46, std430) buffer VolumeFrames { VolumeFrame volume_frames[]; };
+layout(set = 0, binding = 47, std430) buffer VoxelBoxes { VoxelBox voxel_boxes[]; };
 layout(set = 0, binding = 43, std430) buffer PlanarPairs { PlanarPair planar_pairs[]; };
 
 void main() {}
