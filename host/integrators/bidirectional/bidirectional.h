@@ -62,7 +62,7 @@ extern const KernelProgram kBidirectionalProgram;
 // The need of its own kernels, those of photons left out.
 KernelNeed bidirectional_need(const KernelConfig& config);
 // Stages that it uses of Paths: all but those that shade.
-inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kCollide, kShade, kEscape, kReuse});
+inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade, kEscape, kReuse});
 
 // Bytes of light vertices and connections for each slot. `merges`: the render has photons.
 std::uint64_t light_bytes_per_slot(const RenderPlan& settings, bool merges);

@@ -135,7 +135,10 @@ const KernelProgram kGuideTrainingProgram = {kStages, kCompileOrder, path_layout
 
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config) {
   if (config.sort != gpu::kSortEscapes) stages &= ~stage_bits({kEscape});
-  if (!(config.features & gpu::kFeatureVoxels)) stages &= ~stage_bits({kCollide});
+  if (!(config.features & gpu::kFeatureVoxels))
+    stages &= ~stage_bits({kCollide});
+  else if (stages & stage_bits({kGenerate}) && stages & stage_bits({kShade}))
+    stages |= stage_bits({kCollide});
   if (config.reuse == gpu::kReuseNone) stages &= ~stage_bits({kReuse});
   return {&program, stages, config};
 }

@@ -37,7 +37,7 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
 // Stages from a first hit on.
 inline constexpr std::uint32_t kLightingStages = stage_bits({kAdvance, kExtend, kShade, kConnect});
 inline constexpr std::uint32_t kAllPathStages =
-    stage_bits({kGenerate, kAdvance, kExtend, kCollide, kShade, kEscape, kConnect, kReuse,
+    stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
                 kAccumulate}); // stages of a path tracer that is not training
 
 extern const KernelProgram kPathProgram;
@@ -115,7 +115,8 @@ private:
   bool covers_ = false;                           // the sets bind it
 };
 
-// Kernels of `stages`; `escape` is included only where escaped rays are sorted.
+// Kernels of `stages`; `escape` is included only where escaped rays are sorted, and `collide` where whole paths go
+// through a scene with a volume.
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config);
 
 // Bytes of a path in the largest number of queues of shadow rays. A window reserves these, so that its number of paths
