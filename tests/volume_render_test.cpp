@@ -265,6 +265,79 @@ TEST_F(VolumeRender, IntegratorsAgree) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(without_light_samples[c] / by_path[c], 1.0, 0.02) << "channel " << c;
 }
 
+// The six faces of a box, outwards.
+std::vector<glm::vec3> box_mesh(float half) {
+  std::vector<glm::vec3> mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-half, half}) {
+      const auto corner = [&](float u, float v) {
+        glm::vec3 p;
+        p[axis] = side, p[(axis + 1) % 3] = u, p[(axis + 2) % 3] = v;
+        return p;
+      };
+      const glm::vec3 a = corner(-half, -half), b = corner(half, -half), c = corner(half, half),
+                      d = corner(-half, half);
+      if (side > 0.0f)
+        mesh.insert(mesh.end(), {a, b, c, a, c, d});
+      else
+        mesh.insert(mesh.end(), {a, c, b, a, d, c});
+    }
+  return mesh;
+}
+
+Material clear_body() {
+  Material body = plain_material();
+  body.base_color = glm::vec4(1.0f);
+  body.specular = 1.0f, body.roughness = 0.0f, body.transmission = 1.0f, body.ior = 1.0f;
+  body.volume = true;
+  body.double_sided = false;
+  return body;
+}
+
+// A clear body of ior 1 is a hole in the smoke, for rays that pass it.
+TEST_F(VolumeRender, BodiesDisplaceTheVolume) {
+  Volume smoke = sampled_volume({-1, -1, -1}, {1, 1, 1}, 32, [](const glm::dvec3&) { return 1.0; });
+  smoke.scattering = glm::vec3(0.0f), smoke.absorption = glm::vec3(0.3f, 0.8f, 2.0f);
+  Scene scene = scene_of(smoke, glm::vec3(1.0f));
+  scene.materials.push_back(clear_body());
+  add_instance(scene, add_mesh(scene, box_mesh(0.6f), 1));
+  const glm::dvec3 towards(0.0, 0.0, 1.0), target(0.1, 0.05, 0.0);
+  const View view = orthographic(target, towards, 1e-6, 3.0);
+  const double depth = optical_depth(smoke, target - 3.0 * towards, target + 3.0 * towards) -
+                       optical_depth(smoke, target - 0.6 * towards, target + 0.6 * towards);
+  for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
+    RenderPlan asked = plan(4096, 8);
+    asked.integrator = integrator;
+    const glm::dvec3 seen = mean(scene, view, asked);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(seen[c], std::exp(-depth * smoke.absorption[c]), 0.003) << integrator->name << ", channel " << c;
+  }
+}
+
+// Within a body there is no smoke between a floor and a lamp: neither for light samples and connections, nor by chance.
+TEST_F(VolumeRender, BodiesKeepTheVolumeFromTheirLights) {
+  Scene clear = triangle_scene();
+  clear.materials[0].base_color = glm::vec4(0.8f, 0.8f, 0.8f, 1.0f);
+  clear.meshes[0].positions = {{-0.9f, -0.5f, -0.9f}, {-0.9f, -0.5f, 0.9f}, {0.9f, -0.5f, -0.9f}};
+  Material lamp = plain_material();
+  lamp.emission = glm::vec3(20.0f);
+  clear.materials.push_back(lamp);
+  add_instance(clear, add_mesh(clear, {{-0.3f, 0.6f, -0.3f}, {0.3f, 0.6f, -0.3f}, {-0.3f, 0.6f, 0.3f}}, 1));
+  clear.materials.push_back(clear_body());
+  add_instance(clear, add_mesh(clear, box_mesh(1.5f), 2));
+  Scene smoky = clear;
+  smoky.volume = sampled_volume({-4, -4, -4}, {4, 4, 4}, 16, [](const glm::dvec3&) { return 1.0; });
+  smoky.volume->scattering = glm::vec3(0.0f), smoky.volume->absorption = glm::vec3(2.0f);
+  const View view = orthographic({-0.3, -0.5, -0.3}, {0.1, -1.0, 0.2}, 0.4, 0.8); // from within
+  for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
+    RenderPlan asked = plan(1024, 3);
+    asked.integrator = integrator;
+    const glm::dvec3 with = mean(smoky, view, asked), without = mean(clear, view, asked);
+    EXPECT_GT(without.y, 0.05);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(with[c] / without[c], 1.0, 0.01) << integrator->name << ", channel " << c;
+  }
+}
+
 // Large and small coefficients, grids and distances; rays along the planes between cells; a camera within.
 TEST_F(VolumeRender, HoldsInStiffCases) {
   const glm::dvec3 albedo(0.5, 0.9, 0.98);

@@ -82,7 +82,7 @@ void add_volume_flags(CLI::App& app, VolumeRequest& volume) {
            {"--volume", "FILE",
             "add the volume of a NanoVDB file (.nvdb): its grid 'density', and its grid 'temperature' for what glows. "
             "It replaces a volume of the scene. docs/volumes.md",
-            "that of the scene, if it has one"},
+            "that of the scene, if it has one", kAdvanced},
            [&](const FlagValue& value) {
              if (value.text.empty()) value.refuse("names nothing", "give a .nvdb, or leave it out");
              volume.file = value.text;

@@ -30,7 +30,7 @@ Bounds occupied(const VoxelGrid& grid) {
   return box;
 }
 
-// Whether these points lie within a mesh that is convex; of others false.
+// True if these points lie within the mesh, and that is convex.
 bool holds(const Mesh& mesh, const glm::dmat4& matrix, const std::vector<glm::dvec3>& points) {
   glm::dvec3 middle(0.0);
   for (const glm::vec3& p : mesh.positions) middle += glm::dvec3(p) / static_cast<double>(mesh.positions.size());

@@ -21,8 +21,8 @@ struct VoxelGrid {
   std::string name;           // in its file
   glm::ivec3 first{0};        // coordinates of the box's first voxel; divisible by 8
   glm::ivec3 brick_counts{0}; // bricks of the box along x, y, z
-  // By brick, x fastest: where in `voxels` its voxels begin, counted in bricks; kNoIndex: all have its value in
-  // `constants`.
+  // Places in `voxels` where the voxels of each brick begin, counted in bricks; x fastest. kNoIndex: all voxels have
+  // the brick's value in `constants`.
   std::vector<std::uint32_t> bricks;
   std::vector<float> constants;
   // Finite, those of a brick together: x slowest, z fastest, as NanoVDB has them.

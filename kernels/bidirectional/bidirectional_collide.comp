@@ -24,8 +24,6 @@
 #include "kernels/volume/bindings.glsl"
 #include "kernels/bidirectional/found_light.glsl"
 #include "kernels/path/cover.glsl"
-#include "kernels/path/nonfinite.glsl"
-#include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/volume_vertex.glsl"
 
@@ -53,9 +51,8 @@ bool connect_to_light(vec3 from, vec3 forward, Sampler path_sampler, uint slot, 
 // Tracks the ray. Returns true if the path goes on from within the volume with `next`.
 bool follow(Ray ray, uint index, inout PathState path, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
   wants_shadow = false;
-  Hit hit = fetch_hit(index);
-  float end = end_of_ray(ray, hit);
-  Sampler path_sampler = slot_sampler(ray.slot);
+  float end = end_of_ray(ray, fetch_hit(index));
+  Sampler path_sampler = fetch_sampler(ray.slot);
   begin_random(path_sampler, wave.bounce, kWalkToLamp);
   meet_lamps(ray, end, path);
   if (!scatter_in_volume(ray, end, path_sampler, path, next)) return false;
@@ -68,31 +65,7 @@ bool follow(Ray ray, uint index, inout PathState path, out Ray next, out bool wa
   path.eta_scale = -abs(path.eta_scale);
   store_weights(ray.slot, bounded(PathWeights(1.0 / square(path.bsdf_pdf), 0.0)));
   if (uses_light_tree()) receiver_words[ray.slot] = uvec4(floatBitsToUint(next.origin), 0u);
-  return survives_volume(path_sampler, path);
+  return survives_medium(path_sampler, path);
 }
 
-void main() {
-  uint index = gl_GlobalInvocationID.x;
-  bool wants_ray = false, wants_shadow = false;
-  Ray next;
-  ShadowRay shadow;
-  if (index < queues.ray_count[wave.bounce & 1u]) {
-    Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
-    PathState path = fetch_path(ray.slot);
-    if (is_finite(path.radiance)) { // else another kernel has counted it
-      wants_ray = follow(ray, index, path, next, wants_shadow, shadow);
-      if (!is_sound(path) || (wants_ray && !is_sound(next))) {
-        path.radiance = poisoned(path.radiance);
-        count_nonfinite(kMakerShade, ray.slot);
-        wants_ray = wants_shadow = false;
-      }
-      store_path(ray.slot, path);
-    }
-  }
-
-  uint next_queue = (wave.bounce + 1u) & 1u, append_index;
-  APPEND(queues.ray_count[next_queue], wants_ray, append_index);
-  if (wants_ray) store_ray(next_queue * frame.slot_count + append_index, next);
-  APPEND(queues.shadow_count[0], wants_shadow, append_index);
-  if (wants_shadow) store_shadow_ray(append_index, shadow);
-}
+#include "kernels/path/collide_queue.glsl"

@@ -40,18 +40,16 @@ layout(local_size_x = kWorkgroupSize) in;
 // True if the latest vertex of the camera path can be connected to the one before it, which is the camera or a surface.
 bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSplat : kTechniqueConnect); }
 
-// Transmittance for light on a segment that leaves v towards `wi`.
-vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
-  if (!has(kFeatureVolume)) return vec3(1.0);
+// The body that a segment which leaves v towards `wi` runs in; kNone: the open.
+uint body_towards(Vertex v, vec3 wi, uint slot) {
+  if (!has(kFeatureVolume)) return kNone;
   bool crossing = is_below(v, wi) && !v.bsdf.thin;
-  return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
+  return crossing ? body_behind(v, slot) : current_body(slot);
 }
 
-// True if light that leaves v towards `wi` is within a body.
-bool runs_in_body(Vertex v, vec3 wi, uint slot) {
-  if (!has(kFeatureVolume)) return false;
-  bool crossing = is_below(v, wi) && !v.bsdf.thin;
-  return (crossing ? body_behind(v, slot) : current_body(slot)) != kNone;
+// Transmittance of that body.
+vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
+  return has(kFeatureVolume) ? medium_transmittance(body_towards(v, wi, slot), distance_) : vec3(1.0);
 }
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
@@ -77,7 +75,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
       offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = light.distant ? kFar : 1.0;
-  if (HAS_VOXELS && runs_in_body(v, light.direction, slot)) ray.t_max = behind_t_max(ray.t_max);
+  if (HAS_VOXELS && body_towards(v, light.direction, slot) != kNone) ray.t_max = behind_t_max(ray.t_max);
   return true;
 }
 
@@ -139,7 +137,7 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
   c.direction =
       offset_ray_origin(target.position, target.position_error, target.geometric_normal, -to_target) - c.origin;
   c.slot = slot;
-  c.in_body = HAS_VOXELS && runs_in_body(v, to_target, slot) ? 1u : 0u;
+  c.in_body = HAS_VOXELS && body_towards(v, to_target, slot) != kNone ? 1u : 0u;
   c.pixel = 0u;
   return true;
 }

@@ -27,9 +27,6 @@
 #include "kernels/path/guide.glsl"
 #include "kernels/path/lamps.glsl"
 #include "kernels/path/medium_light.glsl"
-#include "kernels/path/nonfinite.glsl"
-#include "kernels/path/queue.glsl"
-#include "kernels/path/queue_item.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/volume_vertex.glsl"
 
@@ -53,35 +50,10 @@ bool follow(Ray ray, uint index, inout PathState path, out Ray next, out bool wa
   path.bsdf_pdf = kDirect == kDirectBsdf || frame.light_count == 0u
                       ? -1.0
                       : phase_pdf(g, dot(next.direction, ray.direction));
-  goes_on = goes_on && survives_volume(path_sampler, path);
+  goes_on = goes_on && survives_medium(path_sampler, path);
   if (has(kFeatureTraining)) note_unguided(wave.first_pixel + ray.slot, wave.bounce);
   if (has(kFeatureTraining) && !goes_on) note_end(wave.first_pixel + ray.slot, wave.bounce);
   return goes_on;
 }
 
-void main() {
-  uint index = queue_item();
-  bool wants_ray = false, wants_shadow = false;
-  Ray next;
-  ShadowRay shadow;
-  if (index < queues.ray_count[wave.bounce & 1u]) {
-    Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
-    PathState path = fetch_path(ray.slot);
-    if (is_finite(path.radiance)) { // else another kernel has counted it
-      if (kMoves) open_shutter(fetch_sampler(ray.slot));
-      wants_ray = follow(ray, index, path, next, wants_shadow, shadow);
-      if (!is_sound(path) || (wants_ray && !is_sound(next))) {
-        path.radiance = poisoned(path.radiance);
-        count_nonfinite(kMakerShade, ray.slot);
-        wants_ray = wants_shadow = false;
-      }
-      store_path(ray.slot, path);
-    }
-  }
-
-  uint next_queue = (wave.bounce + 1u) & 1u, append_index;
-  APPEND(queues.ray_count[next_queue], wants_ray, append_index);
-  if (wants_ray) store_ray(next_queue * frame.slot_count + append_index, next);
-  APPEND(queues.shadow_count[0], wants_shadow, append_index);
-  if (wants_shadow) store_shadow_ray(append_index, shadow);
-}
+#include "kernels/path/collide_queue.glsl"

@@ -58,16 +58,6 @@ bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
   return true;
 }
 
-// Russian roulette within a body, where paths are long. The factors of shade.comp were not tried here.
-bool survives_medium(uint slot, inout PathState path) {
-  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
-  if (survival < 1.0 && wave.bounce > 1u) {
-    if (!(sample_2d(fetch_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
-    path.throughput /= survival;
-  }
-  return max_component(path.throughput) > 0.0;
-}
-
 void choose_channel(uint slot) {
   if (uses_lobe(kLobeDispersion)) path_channel = (fetch_sample(slot) + fetch_sampler(slot).scramble % 3u) % 3u;
 }
@@ -85,7 +75,6 @@ void disperse(Vertex v, inout PathState path) {
 float medium_anisotropy(uint slot) { return 0.0; }
 bool is_in_scattering_medium(uint slot) { return false; }
 bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) { return false; }
-bool survives_medium(uint slot, inout PathState path) { return true; }
 void choose_channel(uint slot) {}
 void disperse(Vertex v, inout PathState path) {}
 

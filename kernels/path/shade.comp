@@ -31,6 +31,7 @@
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/medium_light.glsl"
+#include "kernels/path/medium_roulette.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/queue_item.glsl"
@@ -262,7 +263,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       if (has(kFeatureTraining)) note_unguided(wave.first_pixel + slot, wave.bounce);
       wants_ray = wave.bounce < frame.max_depth;
       if (wants_ray) wants_shadow = light_in_medium(ray, next, medium_anisotropy(slot), path, shadow);
-      wants_ray = wants_ray && survives_medium(slot, path);
+      wants_ray = wants_ray && survives_medium(fetch_sampler(slot), path);
       return;
     }
   } else if (has(kFeatureVolume)) {

@@ -6,6 +6,7 @@
 #include "kernels/base/dimensions.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/light_groups.glsl"
+#include "kernels/path/medium_roulette.glsl"
 #include "kernels/surface/surface.glsl"
 #include "kernels/volume/collision.glsl"
 #include "kernels/volume/phase.glsl"
@@ -37,16 +38,6 @@ bool scatter_in_volume(Ray ray, float end, Sampler path_sampler, inout PathState
   vec3 direction = sample_phase(coefficients.anisotropy, ray.direction, u);
   next = Ray(ray.origin + distance_ * ray.direction, ray.slot, direction, kFar);
   return true;
-}
-
-// Russian roulette as within bodies that scatter (medium.glsl).
-bool survives_volume(Sampler path_sampler, inout PathState path) {
-  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
-  if (survival < 1.0 && wave.bounce > 1u) {
-    if (!(sample_2d(path_sampler, bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
-    path.throughput /= survival;
-  }
-  return max_component(path.throughput) > 0.0;
 }
 
 #endif

@@ -22,7 +22,7 @@ vec3 volume_transform(uint texel, vec3 v, float w) {
   return vec3(dot(volume_floats(texel), at), dot(volume_floats(texel + 1u), at), dot(volume_floats(texel + 2u), at));
 }
 
-// What the volume does where its density is 1.
+// Coefficients of the volume where its density is 1.
 struct VolumeCoefficients {
   vec3 scattering, absorption; // 1/m
   float extinction;            // the largest of their sums

@@ -54,7 +54,7 @@ bool begin_walk(vec3 origin, vec3 direction, float t_max, out CellWalk walk) {
   return true;
 }
 
-// Where the ray leaves the cell, or ends.
+// Distance at which the ray leaves the cell, or ends.
 float end_of_cell(CellWalk walk) { return max(min(smallest(walk.exits), walk.end), walk.at); }
 
 // The largest and the smallest density in the cell.

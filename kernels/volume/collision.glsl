@@ -1,5 +1,5 @@
-// Where light that follows a ray is scattered within the volume: tracking of collisions with the largest density of
-// each cell, real and null ones (Woodcock 1965), without bias. Of the real ones, the part that the smallest density of
+// Collisions of light that follows a ray through the volume, without bias: they are tracked with the largest density of
+// each cell, and are real or null (Woodcock 1965). Of the real ones, the part that the smallest density of
 // the cell has is known without a look at the voxels: decomposition tracking (Kutz, Habel, Li and Novak 2017), and
 // weights by channel as they have it. Include kernels/volume/bindings.glsl first.
 #ifndef WAVEPATH_VOLUME_COLLISION_GLSL

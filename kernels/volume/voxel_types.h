@@ -24,7 +24,7 @@ GPU_CONSTANT uint kBrickWords = 512u;
 GPU_CONSTANT float kLowestKelvin = 100.0f;
 GPU_CONSTANT uint kKelvinSteps = 64u, kKelvins = 10u * kKelvinSteps + 1u;
 
-// Where a grid's bricks are. A voxel outside of the box has the value 0.
+// Places of a grid's bricks. A voxel outside of the box has the value 0.
 struct VoxelBox {
   ivec3 first; // coordinates of the first voxel
   uint texel;  // of the first brick in kBindVolumeGrid

@@ -36,7 +36,7 @@ struct Tree {
   void read(const Leaf& leaf, float* out) const { decode(bytes.data() + leaf.offset, out); }
 };
 
-// Whether read_tree() knows values of this type (nanovdb::GridType).
+// True if read_tree() knows values of this type (nanovdb::GridType).
 bool holds_scalars(std::uint32_t type);
 std::string type_name(std::uint32_t type);
 

@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// What does not depend on where the volume is, nor on its coefficients.
+// Parts of a volume that depend neither on its place nor on its coefficients.
 struct PackedVoxels {
   std::shared_ptr<const VolumeGrids> grids; // of which it was made
   glm::ivec3 first{0};                      // voxel at the low corner of the cells' box
