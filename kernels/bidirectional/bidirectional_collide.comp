@@ -24,6 +24,7 @@
 #include "kernels/volume/bindings.glsl"
 #include "kernels/bidirectional/found_light.glsl"
 #include "kernels/path/cover.glsl"
+#include "kernels/path/path_sampler.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/volume_vertex.glsl"
 
