@@ -11,6 +11,9 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#ifdef WAVEPATH_SANITIZE
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include "host/base/error.h"
 #include "host/gpu/device_choice.h"
@@ -101,6 +104,16 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
   return info;
 }
 
+// Drivers keep tables that they allocate at their first use (Mesa: the caches of a processor by AMD). The loader
+// unloads a driver together with the pointers to these tables, and LeakSanitizer would take them for leaks of ours.
+struct DriverTables {
+#ifdef WAVEPATH_SANITIZE
+  __lsan::ScopedDisabler unwatched;
+#else
+  DriverTables() {} // not trivial: a guard that nobody reads
+#endif
+};
+
 VkInstance create_instance(bool validation, std::span<const char* const> window_extensions = {}) {
   std::uint32_t version = VK_API_VERSION_1_0;
   check(vkEnumerateInstanceVersion(&version), "asking for the loader's version");
@@ -131,6 +144,7 @@ VkInstance create_instance(bool validation, std::span<const char* const> window_
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   VkInstance instance = VK_NULL_HANDLE;
+  const DriverTables tables;
   const VkResult result = vkCreateInstance(&info, nullptr, &instance);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw Error("Vulkan", "there is no driver", driver_remedy());
   check(result, "creating a Vulkan instance");
@@ -138,6 +152,7 @@ VkInstance create_instance(bool validation, std::span<const char* const> window_
 }
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+  const DriverTables tables;
   std::uint32_t count = 0;
   check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "listing devices");
   std::vector<VkPhysicalDevice> devices(count);
