@@ -122,11 +122,20 @@ TEST_F(ReflectionsTest, OnlySurfacesThatReflectEnoughAreMirrors) {
   EXPECT_EQ(render(under_a_ceiling(mirror_material()), settings_for("traced")).reflections->asked, 48u * 48u);
 }
 
+void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target) {
+  const glm::dvec3 forward = glm::normalize(target - eye),
+                   right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0))), up = glm::cross(right, forward);
+  Camera camera;
+  camera.world_from_camera = {glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(-forward, 0), glm::dvec4(eye, 1)};
+  scene.cameras = {camera};
+}
+
 // Boxes on a mirror. Where the picture without reflections is black it shows the mirror.
 Scene bodies_on_a_mirror(double base = 1.0) {
-  Scene scene = lit_by(sun());
+  Scene scene = lit_by(sun({0.3, -1.0, -0.6}));
   scene.materials.push_back(mirror_material(base));
   scene.meshes[0].primitives[0].material = 1;
+  look_at(scene, {0.6, 1.2, 3.0}, {0.1, 0.3, 0.0});
   return scene;
 }
 
@@ -160,28 +169,28 @@ TEST_F(ReflectionsTest, MirrorsThatAreNotQuiteSmoothAgreeWithPathTracingOnAverag
   scene.materials[1].roughness = 0.25f;
   RenderPlan settings = settings_for("traced");
   settings.width = settings.height = 16;
-  settings.last_sample = 256;
-  const std::vector<double> reflected = added(scene, settings);
+  settings.last_sample = 128;
+  settings.antialias = 0;
+  settings.aovs = {"metallic"};
+  const Picture ours = render(scene, settings).picture;
+  settings.reflections = 0;
+  const Picture without = render(scene, settings).picture;
   RenderPlan paths = settings;
   paths.integrator = &kPath;
-  paths.reflections = paths.antialias = 0;
   paths.ambient.reset();
-  paths.last_sample = 1024;
+  paths.last_sample = 512;
   const std::vector<float> two = light(scene, paths);
   paths.max_depth = 1;
   const std::vector<float> one = light(scene, paths);
-  const std::vector<float> direct = light(scene, [&] {
-    RenderPlan s = settings;
-    s.reflections = 0;
-    return s;
-  }());
-  double ours = 0.0, truth = 0.0;
+  const std::vector<float>& mirror = channel(ours, "metallic");
+  double reflected = 0.0, truth = 0.0;
   for (std::size_t i = 0; i < two.size(); ++i) {
-    if (direct[i] > 0.3) continue; // a box, which other boxes light as well
-    ours += reflected[i];
+    if (mirror[i] < 0.999f) continue; // boxes light each other in path tracing
+    reflected += ours.channels[1].values[i] - without.channels[1].values[i];
     truth += two[i] - one[i];
   }
-  EXPECT_NEAR(ours, truth, 0.05 * truth);
+  EXPECT_GT(truth, 1.0);
+  EXPECT_NEAR(reflected, truth, 0.03 * truth);
 }
 
 // ---- plane mirrors ----------------------------------------------------------------------------------------------
@@ -195,18 +204,24 @@ Scene bodies_between_mirrors() {
 
 // The point that a mirror shows is computed as by a ray, so that light is the same to the last bit wherever the
 // rasterizer finds the same triangle: everywhere but at silhouettes.
-TEST_F(ReflectionsTest, PlanarMirrorsHaveTheBitsOfTracedOnes) {
-  expect_ceiling(mirror_material(), settings_for("planar"), kMetal);
-  for (const Scene& scene : {bodies_on_a_mirror(), bodies_between_mirrors()}) {
-    const std::vector<float> traced = light(scene, settings_for("traced")),
-                             planar = light(scene, settings_for("planar"));
-    std::size_t differ = 0;
-    for (std::size_t i = 0; i < traced.size(); ++i) differ += traced[i] != planar[i];
-    EXPECT_LE(differ, traced.size() / 500);
-    const RenderResult result = render(scene, settings_for("planar"));
-    EXPECT_EQ(result.reflections->asked, result.reflections->answered);
-    EXPECT_EQ(result.reflections->asked, render(scene, settings_for("traced")).reflections->asked);
+TEST_F(ReflectionsTest, PlaneMirrorsHaveTheBitsOfTracedOnes) {
+  const Scene one = bodies_on_a_mirror(), two = bodies_between_mirrors();
+  for (const Scene& scene : {one, two}) {
+    const std::vector<float> traced = light(scene, settings_for("traced"));
+    const std::uint64_t asked = render(scene, settings_for("traced")).reflections->asked;
+    for (const std::string_view technique : {"planar", "stencil"}) {
+      SCOPED_TRACE(technique);
+      const RenderResult result = render(scene, settings_for(technique));
+      const std::vector<float>& drawn = result.picture.channels[1].values;
+      std::size_t differ = 0;
+      for (std::size_t i = 0; i < traced.size(); ++i) differ += traced[i] != drawn[i];
+      EXPECT_LE(differ, traced.size() / 200);
+      EXPECT_EQ(result.reflections->asked, asked);
+      EXPECT_EQ(result.reflections->answered, asked);
+    }
   }
+  for (const std::string_view technique : {"planar", "stencil"}) // through a parallel projection
+    expect_ceiling(mirror_material(), settings_for(technique), kMetal);
 }
 
 // What bulges is no plane mirror.
@@ -215,28 +230,21 @@ TEST_F(ReflectionsTest, PlanarMirrorsMissWhatIsCurved) {
   scene.materials.push_back(plain_material());
   scene.meshes[0].primitives[0].material = 2;
   add_instance(scene, add_mesh(scene, ball({-1.0f, 0.6f, 0.8f}, 0.5f), 1));
-  RenderPlan settings = settings_for("planar");
-  const RenderResult result = render(scene, settings);
-  EXPECT_GT(result.reflections->asked, 100u);
-  EXPECT_LT(result.reflections->answered, result.reflections->asked);
+  for (const std::string_view technique : {"planar", "stencil"}) {
+    const RenderResult result = render(scene, settings_for(technique));
+    EXPECT_GT(result.reflections->asked, 20u) << technique;
+    EXPECT_LT(result.reflections->answered, result.reflections->asked / 4) << technique;
+  }
 }
 
 // ---- screen space -----------------------------------------------------------------------------------------------
-
-void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target) {
-  const glm::dvec3 forward = glm::normalize(target - eye),
-                   right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0))), up = glm::cross(right, forward);
-  Camera camera;
-  camera.world_from_camera = {glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(-forward, 0), glm::dvec4(eye, 1)};
-  scene.cameras = {camera};
-}
 
 // A wall behind a mirror on the floor; the picture shows all that the mirror does.
 Scene wall_behind_a_mirror() {
   Scene scene;
   scene.path = "test";
   scene.materials = {mirror_material(), plain_material()};
-  add_instance(scene, add_mesh(scene, rectangle({0, 0, 0}, {0, 0, 1}, {1, 0, 0})));
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, 0}, {0, 0, 1}, {0.4f, 0, 0})));
   add_instance(scene, add_mesh(scene, rectangle({0, 2, -1.5f}, {3, 0, 0}, {0, 2, 0}), 1));
   scene.lights.push_back(lamp({0.5, 1.5, 0.5}));
   look_at(scene, {0, 1.0, 3.0}, {0, 0.7, 0});
@@ -305,7 +313,7 @@ TEST_F(ReflectionsTest, MapsAreRightWhereTheirAssumptionsHold) {
     return median_error(added(scene, settings), truth);
   };
   EXPECT_LT(error("cube", small, small_truth), 0.03);
-  EXPECT_LT(error("sphere", small, small_truth), 0.03);
+  EXPECT_LT(error("sphere", small, small_truth), 0.05); // its texels are larger where it bends more
   EXPECT_LT(error("probe", whole, whole_truth), 0.03);
   EXPECT_GT(error("cube", whole, whole_truth), 0.1);
   EXPECT_GT(error("sphere", whole, whole_truth), 0.1);

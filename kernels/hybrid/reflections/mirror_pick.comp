@@ -11,29 +11,18 @@
 #define BIND_VISIBILITY
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/reflections/bindings.glsl"
-#include "kernels/hybrid/hybrid.glsl"
-#include "kernels/bvh/known_triangle.glsl"
-#include "kernels/surface/surface.glsl"
+#include "kernels/hybrid/reflections/plane_mirror.glsl"
 
 layout(set = 0, binding = kBindMirrorPicture) uniform usamplerBuffer mirror_picture;
 layout(set = 0, binding = kBindMirrorIds, std430) writeonly buffer MirrorIdBlock { uvec2 mirror_ids[]; };
 
 layout(local_size_x = kWorkgroupSize) in;
 
-bool shows_mirror(uint pixel_index, vec4 plane) {
-  uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
-  if (visible.x == kNone) return false;
-  vec3 origin, direction;
-  hybrid_camera_ray(uvec2(pixel_index % frame.width, pixel_index / frame.width), origin, direction);
-  Surface surface = fetch_surface(hit_of_triangle(visible.x, visible.y, origin, direction));
-  return abs(dot(plane.xyz, surface.position) + plane.w) <= reflection.tolerance &&
-         abs(dot(plane.xyz, surface.geometric_normal)) > 0.9999 && surface.vertex_normal == surface.geometric_normal;
-}
-
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
-  if (shows_mirror(pixel_index, reflection.mirrors[wave.first_sample]))
+  uvec2 pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width);
+  if (shows_plane_mirror(pixel, reflection.mirrors[wave.first_sample]))
     mirror_ids[pixel_index] = texelFetch(mirror_picture, int(pixel_index)).xy;
   else if (wave.first_sample == 0u)
     mirror_ids[pixel_index] = uvec2(kNone, kNoMirror);

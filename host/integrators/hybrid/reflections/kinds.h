@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-WAVEPATH_ROWS(ReflectionKind, kReflectionKinds, kReflectionTraced, kReflectionPlanar, kReflectionCube,
-              kReflectionSphere, kReflectionProbe, kReflectionSsr);
+WAVEPATH_ROWS(ReflectionKind, kReflectionKinds, kReflectionTraced, kReflectionPlanar, kReflectionStencil,
+              kReflectionCube, kReflectionSphere, kReflectionProbe, kReflectionSsr);
 
 } // namespace wavepath
