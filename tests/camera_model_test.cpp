@@ -387,6 +387,7 @@ TEST_F(BidirectionalTest, HybridTracesWhatItCannotDraw) {
                                                       [](RenderPlan& s) { s.occlusion = 1, s.max_depth = 2; },
                                                       [](RenderPlan& s) { s.antialias = 1; },
                                                       [](RenderPlan& s) { s.transparency = 1; },
+                                                      [](RenderPlan& s) { s.reflections = 1; },
                                                       [](RenderPlan& s) { s.shading = 1; },
                                                       [](RenderPlan& s) { s.denoise = kDenoiseOn; }};
   for (const auto& change : changes) {

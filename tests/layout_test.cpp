@@ -23,6 +23,7 @@
 #include "kernels/film/film_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/reflections/reflection_types.h"
 #include "kernels/hybrid/shading/shading_types.h"
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
@@ -247,6 +248,15 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, sample_position), AT(HybridFrame, first_position)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Reflections) {
+  compare("ReflectionFrame", sizeof(ReflectionFrame),
+          {AT(ReflectionFrame, centre), AT(ReflectionFrame, threshold), AT(ReflectionFrame, box_low),
+           AT(ReflectionFrame, map_kind), AT(ReflectionFrame, box_high), AT(ReflectionFrame, map_side),
+           AT(ReflectionFrame, axis), AT(ReflectionFrame, reach), AT(ReflectionFrame, thickness),
+           AT(ReflectionFrame, tolerance), AT(ReflectionFrame, pad0), AT(ReflectionFrame, pad1),
+           AT(ReflectionFrame, mirrors)});
 }
 
 TEST(Layout, Shading) {

@@ -110,6 +110,13 @@ class SceneMakers(unittest.TestCase):
                 document, _ = read_glb((self.folder / "a.glb").read_bytes())
                 self.assertEqual(any(m.get("alphaMode") == "MASK" for m in document["materials"]), name == "tree")
 
+    def test_a_room_has_mirrors(self):
+        for copy in "ab":
+            make(self.folder, "mirrors.py", f"{copy}.glb")
+        self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
+        document, _ = read_glb((self.folder / "a.glb").read_bytes())
+        self.assertEqual(sum(m["pbrMetallicRoughness"]["metallicFactor"] for m in document["materials"]), 1)
+
     def test_a_room_gets_a_spot(self):
         if not ROOM.exists():
             self.skipTest("no shared/scenes beside the repository")

@@ -1,6 +1,7 @@
 // The table of settings against RenderSettings: no member is forgotten, and every row that decides the picture reaches
 // the identity and the copied command, which reads back to the same settings.
 #include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
@@ -36,8 +37,9 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
-               transparency_samples, branching, techniques, cutoff, denoise, mips, lights, light_samples, sky_samples,
-               reuse, adaptive, clamp, guide, specialize, aovs, aov_through, light_groups, transparent] = settings;
+               transparency_samples, reflections, reflection_threshold, branching, techniques, cutoff, denoise, mips,
+               lights, light_samples, sky_samples, reuse, adaptive, clamp, guide, specialize, aovs, aov_through,
+               light_groups, transparent] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
@@ -92,6 +94,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"transparency", text(transparency)},
       {"transparency_layers", text(transparency_layers)},
       {"transparency_samples", text(transparency_samples)},
+      {"reflections", text(reflections)},
+      {"reflection_threshold", text(reflection_threshold)},
       {"branching", text(branching)},
       {"techniques", text(techniques)},
       {"cutoff", text(cutoff)},
@@ -174,6 +178,7 @@ RenderSettings base_for(const Setting& row) {
   turn_to(&RenderSettings::shading, kShadingModels.names().size());
   turn_to(&RenderSettings::occlusion, kOcclusionTechniques.names().size());
   turn_to(&RenderSettings::transparency, kTransparencyTechniques.names().size());
+  turn_to(&RenderSettings::reflections, kReflectionTechniques.names().size());
   return settings;
 }
 

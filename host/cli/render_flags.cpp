@@ -49,6 +49,8 @@ constexpr const char* heading_of(SettingGroup group) {
       return "Shadow techniques of hybrid";
     case SettingGroup::occlusion:
       return "Ambient occlusion of hybrid and ao";
+    case SettingGroup::reflections:
+      return "Reflections of hybrid";
     case SettingGroup::shading:
       return "Local shading of hybrid";
     case SettingGroup::transparency:
@@ -85,9 +87,10 @@ Flag flag_of(const Setting& row, Offer command, const HelpOverride* help_overrid
 }
 
 void add_transport_settings(CLI::App& app, Offer command, RenderRequest& request) {
-  for (const SettingGroup group : {SettingGroup::transport, SettingGroup::speed, SettingGroup::decisions,
-                                   SettingGroup::hybrid, SettingGroup::shadows, SettingGroup::occlusion,
-                                   SettingGroup::shading, SettingGroup::transparency, SettingGroup::others})
+  for (const SettingGroup group :
+       {SettingGroup::transport, SettingGroup::speed, SettingGroup::decisions, SettingGroup::hybrid,
+        SettingGroup::shadows, SettingGroup::occlusion, SettingGroup::reflections, SettingGroup::shading,
+        SettingGroup::transparency, SettingGroup::others})
     add_settings(app, command, group, request,
                  command == kByRender ? std::span<const HelpOverride>(kOfRender) : std::span<const HelpOverride>());
 }

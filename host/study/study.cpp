@@ -36,6 +36,10 @@ constexpr std::uint32_t kTrueOverTried = 16; // and at least so many times those
 
 using Clock = std::chrono::steady_clock;
 
+bool varies(const StudySettings& settings, std::string_view dimension) {
+  return std::ranges::count(settings.vary, dimension) > 0;
+}
+
 class StudyRun {
 public:
   StudyRun(Device& device, const StudyScene& scene, const StudySettings& settings, const StudyCallback& progress)
@@ -153,7 +157,10 @@ private:
     settings.sampler = gpu::kSamplerSobol;
     settings.direct = gpu::kDirectMis;
     settings.hemisphere = gpu::kHemisphereCosine;
-    settings.integrator = &default_integrator();
+    if (has_mirror_truth(settings_))
+      read_setting(setting_named("reflections"), "traced", settings);
+    else
+      settings.integrator = &default_integrator();
     if (by_signal_) settings.aovs = {"direct"};
     KernelCompiler kernels(device_);
     return converge(settings, settings_.reference_spp, reference_fraction_, kernels, "reference");
@@ -411,6 +418,10 @@ private:
 };
 
 } // namespace
+
+bool has_mirror_truth(const StudySettings& settings) {
+  return varies(settings, "reflections") && !varies(settings, "integrator");
+}
 
 double StudyPoint::relative_rms() const { return std::sqrt(metrics.relmse); }
 

@@ -52,6 +52,10 @@ struct StudyScene {
   const PackedScene& packed_for(const RenderPlan& settings) const { return packed.at(key_of(settings)); }
 };
 
+// True if the grid varies reflections of hybrid frames, which have a truth of their own: rays. A reference of paths
+// would show the ambient term's errors, which all of them share.
+bool has_mirror_truth(const StudySettings& settings);
+
 struct StudyReference {
   Picture picture;
   std::string file;            // empty if rendered here

@@ -73,10 +73,12 @@ std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
   RenderPlan settings = record.settings.render;
-  settings.integrator = &default_integrator();
-  return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{} --seed {} --spp {} -o {}", record.repeat,
-                     told_flags(settings, nullptr), record.study.occlusion ? " --aov direct" : "", reference.seed,
-                     reference.spp, shell_quoted(reference_file(record)));
+  const bool mirrors = has_mirror_truth(record.settings);
+  if (!mirrors) settings.integrator = &default_integrator();
+  return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{}{} --seed {} --spp {} -o {}",
+                     record.repeat, told_flags(settings, nullptr), mirrors ? " --reflections traced" : "",
+                     record.study.occlusion ? " --aov direct" : "", reference.seed, reference.spp,
+                     shell_quoted(reference_file(record)));
 }
 
 std::string occlusion_command(const StudyRecord& record) {

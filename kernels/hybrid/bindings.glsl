@@ -25,6 +25,10 @@ layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signal
 layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]; };
 #endif
 
+#ifdef BIND_REFLECTIONS
+layout(set = 0, binding = kBindReflections, std430) buffer ReflectionBlock { vec4 reflections[]; };
+#endif
+
 #ifdef BIND_POSITIONS
 layout(set = 0, binding = kBindPositionIds, std430) buffer PositionIdBlock { uvec2 position_ids[]; };
 layout(set = 0, binding = kBindPositionSeen, std430) buffer PositionSeenBlock { vec4 position_seen[]; };

@@ -8,6 +8,7 @@
 #define BIND_SIGNALS
 #define BIND_SEEN
 #define BIND_LAYERS
+#define BIND_REFLECTIONS
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_VISIBILITY
@@ -66,6 +67,7 @@ void main() {
     if (hit) sample_.direct = demodulation(g.albedo) * signal.rgb;
     vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
     radiance = sample_.emission + sample_.direct + ambient;
+    if ((hybrid.flags & kHybridReflections) != 0u) radiance += reflections[pixel_index].rgb;
   }
   if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[pixel_index].rgb;
   if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[pixel_index].rgb + layers[pixel_index].a * radiance;

@@ -19,6 +19,7 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, fraction of light they let pass
+GPU_CONSTANT uint kBindReflections = 131u; // storage vec4[] (kHybridReflections): what mirrors show of lit surfaces
 // kMultisamplePositions frames see a pixel at one position each and share shading (kHybridMultisample). One picture a
 // frame: what it saw, and kBindSeen and kBindSignals of the frame that shaded it.
 GPU_CONSTANT uint kBindPositionIds = 82u;     // storage uvec2[]
@@ -53,6 +54,7 @@ GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in 
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
 GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPositionIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
+GPU_CONSTANT uint kHybridReflections = 1u << 8; // mirrors show lit surfaces, see kBindReflections
 GPU_CONSTANT uint kMultisamplePositions = 4u;  // positions in a pixel
 GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 

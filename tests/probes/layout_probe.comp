@@ -11,6 +11,7 @@
 #include "kernels/base/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/base/scene_types.h"
+#include "kernels/hybrid/reflections/reflection_types.h"
 #include "kernels/hybrid/shading/shading_types.h"
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
@@ -66,5 +67,7 @@ layout(set = 0, binding = 42, std430) buffer ShadingFrames { ShadingFrame shadin
 layout(set = 0, binding = 46, std430) buffer VolumeFrames { VolumeFrame volume_frames[]; };
 layout(set = 0, binding = 47, std430) buffer VoxelBoxes { VoxelBox voxel_boxes[]; };
 layout(set = 0, binding = 43, std430) buffer PlanarPairs { PlanarPair planar_pairs[]; };
+
+layout(set = 0, binding = 48, std430) buffer ReflectionFrames { ReflectionFrame reflection_frames[]; };
 
 void main() {}

@@ -13,6 +13,7 @@
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/occlusion/screen_space.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
+#include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/shadows/sources.h"
@@ -57,11 +58,12 @@ enum OwnBuffer : std::size_t {
   kLayers,
   kPositionIds,
   kPositionSeen,
-  kPositionSignals
+  kPositionSignals,
+  kReflected
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
-constexpr std::uint32_t kCapacityForLayers = 1u << 0,
-                        kCapacityForPositions = 1u << 1; // bits of BufferDimensions::options
+constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPositions = 1u << 1,
+                        kCapacityForReflections = 1u << 2; // bits of BufferDimensions::options
 
 std::uint64_t positions(const BufferDimensions& e) {
   return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
@@ -93,6 +95,9 @@ const std::vector<BufferRule> kHybridRules = {
     {"signals of places",
      [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
      {{gpu::kBindPositionSignals, BindingKind::storage}}},
+    {"reflections",
+     [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
+     {{gpu::kBindReflections, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -121,7 +126,8 @@ std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = kAntialiasTechniques.find(settings)->shares_shading && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
-  return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared;
+  const std::uint32_t mirrors = kReflectionTechniques.find(settings) ? gpu::kHybridReflections : 0;
+  return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared | mirrors;
 }
 
 // By rays, in the pilot or in frames. How enclosed a position is beyond the picture and a radius, which the ambient
@@ -166,6 +172,7 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   if (kShadowTechniques.find(settings)) refuse("--shadows");
   if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
   if (kTransparencyTechniques.find(settings)) refuse("--transparency");
+  if (kReflectionTechniques.find(settings)) refuse("--reflections");
   if (kShadingModels.find(settings)) refuse("--shading");
   if (settings.antialias != 0) refuse("--antialias");
   if (settings.denoise != kDenoiseOff) refuse("--denoise");
@@ -228,7 +235,7 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
-  frame_.far = planes.far;
+  frame_.far = planes.far + (reflects() ? static_cast<float>(2.0 * scene.radius) : 0.0f); // seen in a mirror
   rasterizes_ = refracts() || (is_rasterizable(view) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
@@ -246,12 +253,14 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   const KernelConfig config = kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_);
   need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
-  const std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
+  std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
+  if (reflects()) path_stages |= stage_bits({kExtend});
   const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
-                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPositions : 0)});
+                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPositions : 0) |
+                                    (reflects() ? kCapacityForReflections : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -264,6 +273,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   });
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
+  const std::vector<Binding> path_bindings = own;
   remake_shadows(view, own);
   remake_shading(own);
   if (moved || sets_.empty()) {
@@ -272,6 +282,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
     sets_ = bind_bands(workspace_, own);
   }
   remake_occlusion();
+  remake_reflections(view, path_bindings);
   remake_layers(moved);
   remake_filters(moved, history);
 }
@@ -284,6 +295,25 @@ void Hybrid::remake_occlusion() {
   occlusion_->change(need_.config, {{gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]},
                                     {gpu::kBindGbuffer, BindingKind::storage, &buffers_[kGbuffer]},
                                     {gpu::kBindSignals, BindingKind::storage, &buffers_[kSignals]}});
+}
+
+void Hybrid::remake_reflections(const View& view, const std::vector<Binding>& own) {
+  const ReflectionKind* kind = kReflectionTechniques.find(settings_);
+  if (!kind) return reflections_.reset();
+  reflections_.keep(kind, [&] {
+    return kind->make(
+        {*kind, workspace_, kernels_, paths_,
+         [this](Commands& commands, std::size_t band, const gpu::Wave& wave) { light(commands, band, wave); },
+         [this](std::uint32_t first, std::uint32_t count) { return wave({}, first, count, 0, 0); }});
+  });
+  using enum BindingKind;
+  std::vector<Binding> shared = own;
+  shared.insert(shared.end(), {{gpu::kBindHybrid, uniform, &buffers_[kFrame]},
+                               {gpu::kBindVisibility, texels_rg32ui, &visibility_->ids()},
+                               {gpu::kBindGbuffer, storage, &buffers_[kGbuffer]},
+                               {gpu::kBindSignals, storage, &buffers_[kSignals]},
+                               {gpu::kBindReflections, storage, &buffers_[kReflected]}});
+  reflections_->change(view, settings_, paths_.config(), shared);
 }
 
 void Hybrid::remake_layers(bool moved) {
@@ -356,20 +386,22 @@ bool Hybrid::is_ready() {
   const bool shadows = !shadows_ || shadows_->is_ready();
   const bool occlusion = !occlusion_ || occlusion_->is_ready();
   const bool shading = !shading_ || shading_->is_ready();
-  return kernels_.ready(need_) && paths && shadows && occlusion && shading;
+  const bool reflections = !reflections_ || reflections_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && occlusion && shading && reflections;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
          (occlusion_ ? occlusion_->get_ready() : 0.0) + (shading_ ? shading_->get_ready() : 0.0) +
-         kernels_.best(need_).seconds();
+         (reflections_ ? reflections_->get_ready() : 0.0) + kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
          (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
          (filters_->each ? filters_->each->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
-         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0);
+         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
+         (reflections_ ? reflections_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -407,12 +439,14 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
     queue.submit(prepare, {});
   }
   if (shadows_) shadows_->build(queue, sample);
+  if (reflections_ && !piloting_) reflections_->build(queue);
 }
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
   if (filters_->taa || filters_->each) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
+  if (reflections_) result.reflections = reflections_->report();
   if (!shadows_) return;
   const LightCover cover = light_cover(*kShadowTechniques.find(settings_), workspace_.scene);
   result.shadows = {.covered = names_of(cover.covered),
@@ -458,6 +492,9 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.barrier();
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
+  if (!reflections_ || piloting_) return;
+  commands.barrier();
+  reflections_->record(commands, band, wave);
 }
 
 // Direct light as the path tracer finds it, from the first hit on; local illumination finds it by shadow rays alone.
@@ -488,6 +525,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
   if (multisamples()) share_shading(queue);
+  if (reflections_ && !piloting_) reflections_->finish(queue);
   if (layers_ && !refracts()) layers_->render(queue);
   if (Denoiser* denoiser = filters_->denoiser.get())
     queue.submit([&](Commands& commands) { denoiser->record(commands, camera_); },

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/integrators/hybrid/kept.h"
+#include "host/integrators/hybrid/reflections/technique.h"
 #include "host/integrators/hybrid/shading/local_shading.h"
 #include "host/integrators/hybrid/shadows/technique.h"
 #include "host/integrators/hybrid/shadows/times.h"
@@ -73,6 +74,7 @@ private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
+  bool reflects() const { return frame_.flags & gpu::kHybridReflections; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
   struct Filters; // filters of finished frames
   void make_frame(const View& view, const RenderPlan& settings, TemporalHistory history);
@@ -83,6 +85,7 @@ private:
   void remake_occlusion();
   void remake_shading(const std::vector<Binding>& own);
   void remake_layers(bool moved);
+  void remake_reflections(const View& view, const std::vector<Binding>& own);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void share_shading(WaveQueue& queue);
@@ -116,9 +119,10 @@ private:
     std::uint32_t width = 0, height = 0, layers = 0;
     bool operator==(const LayersMadeFor&) const = default;
   };
-  Kept<Layers, LayersMadeFor> layers_; // null if no technique draws BLEND surfaces in layers
-  Kept<Filters, glm::uvec4> filters_;  // key: size, flags, kinds of filters
-  std::vector<glm::vec2> jitters_;     // positions in the pixel of the frames from first_jitter_ on
+  Kept<Layers, LayersMadeFor> layers_;                           // null if no technique draws BLEND surfaces in layers
+  Kept<ReflectionTechnique, const ReflectionKind*> reflections_; // null if mirrors show no lit surfaces
+  Kept<Filters, glm::uvec4> filters_;                            // key: size, flags, kinds of filters
+  std::vector<glm::vec2> jitters_; // positions in the pixel of the frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::uint32_t next_sample_ = 0;           // sample whose frame may use the shading of earlier ones
   std::vector<std::uint32_t> pilot_pixels_; // pixels of the pilot, row-major

@@ -10,6 +10,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/rows.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
@@ -28,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 35> kHybridSettings = {"first-hit",
+constexpr std::array<std::string_view, 37> kHybridSettings = {"first-hit",
                                                               "hemisphere",
                                                               "direct",
                                                               "lights",
@@ -62,7 +63,9 @@ constexpr std::array<std::string_view, 35> kHybridSettings = {"first-hit",
                                                               "occlusion",
                                                               "ao-bias",
                                                               "ao-thinness",
-                                                              "antialias"};
+                                                              "antialias",
+                                                              "reflections",
+                                                              "reflection-threshold"};
 constexpr std::array<std::string_view, 9> kAoSettings = {"first-hit", "ao-samples",  "ao-radius",
                                                          "denoise",   "terminator",  "occlusion",
                                                          "ao-bias",   "ao-thinness", "antialias"};
@@ -81,7 +84,10 @@ gpu::Feature features(const RenderPlan&) { return gpu::kFeatureSharedFirstHit; }
 // Kernels of light, and of the techniques that stand for a part of it.
 void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings, const KernelConfig& config) {
   const ShadingKind* shading = kShadingModels.find(settings);
-  kernels.start({&kPathProgram, shading ? kLocalPathStages : kLightingStages, config});
+  const ReflectionKind* reflections = kReflectionTechniques.find(settings);
+  const std::uint32_t traces = reflections ? stage_bits({kExtend}) : 0;
+  kernels.start({&kPathProgram, (shading ? kLocalPathStages : kLightingStages) | traces, config});
+  if (reflections) kernels.start(whole_need(*reflections->program, config));
   if (shading) kernels.start(whole_need(*shading->program, config));
   if (const ShadowKind* shadows = kShadowTechniques.find(settings))
     kernels.start(whole_need(*shadows->program, config));
@@ -118,7 +124,7 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
-         position_bytes(settings);
+         position_bytes(settings) + (kReflectionTechniques.find(settings) ? sizeof(gpu::vec4) : 0);
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
@@ -166,12 +172,16 @@ std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderRes
     bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
   else
     bias.push_back(
-        fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
+        fmt::format("light of more than one bounce, what {} of it included, is an ambient "
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
-                    result.ambient.r, result.ambient.g, result.ambient.b));
+                    kReflectionTechniques.find(settings) ? "glass shows" : "mirrors and glass show", result.ambient.r,
+                    result.ambient.g, result.ambient.b));
   add_common_bias(settings, bias);
   add_shading_bias(settings, bias);
   add_transparency_bias(settings, bias);
+  if (const ReflectionKind* reflections = kReflectionTechniques.find(settings))
+    bias.push_back(fmt::format("what mirrors show of lit surfaces is {} (--reflections {})", reflections->summary,
+                               reflections->name));
   const ShadowKind* shadows = kShadowTechniques.find(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -206,6 +216,15 @@ Json shadow_json(const RenderPlan& settings, const std::optional<ShadowReport>& 
 Json occlusion_json(const RenderPlan& settings, const std::optional<OcclusionReport>& occlusion) {
   if (!occlusion) return nullptr;
   return {{"technique", kOcclusionTechniques.find(settings)->name}, {"ms", cost_json(occlusion->cost)}};
+}
+
+Json reflection_json(const RenderPlan& settings, const std::optional<ReflectionReport>& reflections) {
+  if (!reflections) return nullptr;
+  const auto asked = static_cast<double>(std::max<std::uint64_t>(reflections->asked, 1));
+  return {{"technique", kReflectionTechniques.find(settings)->name},
+          {"threshold", settings.reflection_threshold},
+          {"asked", reflections->asked},
+          {"missed", static_cast<double>(reflections->asked - reflections->answered) / asked}};
 }
 
 Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& cost) {
@@ -250,6 +269,7 @@ std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
   if (kShadingModels.find(settings))
     omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
+  if (!kReflectionTechniques.find(settings)) omitted.push_back({"reflections of lit surfaces", "--reflections is none"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -271,6 +291,7 @@ Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderRes
           {"transparency", kTransparencyTechniques.name(settings)},
           {"shadows", shadow_json(settings, result.shadows)},
           {"occlusion", occlusion_json(settings, result.occlusion)},
+          {"reflections", reflection_json(settings, result.reflections)},
           {"antialias", antialias_json(settings, result.antialias)}};
 }
 
@@ -279,11 +300,13 @@ void check(const RenderPlan& settings) {
   check_frame_settings(settings);
   check_shading_settings(settings);
   check_transparency_settings(settings);
+  check_reflection_settings(settings);
 }
 
 bool has_effect(const RenderPlan& settings, std::string_view setting) {
   return kShadowTechniques.supports(settings, setting) && kOcclusionTechniques.supports(settings, setting) &&
-         kShadingModels.supports(settings, setting) && kTransparencyTechniques.supports(settings, setting);
+         kShadingModels.supports(settings, setting) && kTransparencyTechniques.supports(settings, setting) &&
+         kReflectionTechniques.supports(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -314,7 +337,7 @@ constinit const IntegratorKind kHybrid = {
         [](const RenderPlan& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
                  kShadowTechniques.find(settings) || kShadingModels.find(settings) ||
-                 kTransparencyTechniques.find(settings);
+                 kTransparencyTechniques.find(settings) || kReflectionTechniques.find(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,

@@ -89,6 +89,12 @@ struct OcclusionReport {
   FrameCost cost;
 };
 
+// What a technique of reflections found (--reflections), in samples of pixels that show a mirror.
+struct ReflectionReport {
+  std::uint64_t asked = 0;    // all of them
+  std::uint64_t answered = 0; // those for which the technique knows what the mirror shows
+};
+
 // The filter of the finished picture (--denoise).
 struct DenoiseReport {
   const char* filter = "";
@@ -122,6 +128,7 @@ struct RenderResult {
   std::optional<MergeReport> merging;
   std::optional<ShadowReport> shadows;
   std::optional<OcclusionReport> occlusion;
+  std::optional<ReflectionReport> reflections;
   std::optional<FrameCost> antialias; // cost of a filter of frames (--antialias)
   std::optional<DenoiseReport> denoised;
 };

@@ -275,6 +275,7 @@ private:
     all.merging = part.merging;
     all.shadows = part.shadows;
     all.occlusion = part.occlusion;
+    all.reflections = part.reflections;
     all.antialias = part.antialias;
   }
 

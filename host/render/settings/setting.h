@@ -70,6 +70,7 @@ enum class SettingGroup {
   hybrid,
   shadows,
   occlusion,
+  reflections,
   shading,
   transparency,
   others

@@ -128,6 +128,8 @@ struct RenderSettings {
   std::uint32_t transparency = 0;           // technique for BLEND surfaces: index into kTransparencyTechniques
   std::uint32_t transparency_layers = 4;    // layers that are peeled off
   std::uint32_t transparency_samples = 8;   // samples of stochastic transparency for each sample of a pixel
+  std::uint32_t reflections = 0;            // what mirrors show of lit surfaces: index into kReflectionTechniques
+  double reflection_threshold = 0.1;        // least reflectance, head-on, of surfaces that are mirrors
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

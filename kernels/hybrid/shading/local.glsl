@@ -141,7 +141,9 @@ bool connect_to_light(Ray ray, Hit hit, Surface surface, Material material, bool
     Hit at = Hit(hit.triangle, hit.instance, weights.x, weights.y);
     lit += point_fraction(hit, i) * lit_point(ray, at, material, front, normal, paint.exponent, index, u);
   }
-  shadow.contribution = (paint.diffuse * lit[0] + paint.highlight * lit[1]) * (fraction / ratio);
+  // Throughput: of the mirror that shows the surface.
+  shadow.contribution = fetch_path(ray.slot).throughput *
+                        ((paint.diffuse * lit[0] + paint.highlight * lit[1]) * (fraction / ratio));
   if (is_finite(shadow.contribution) && max_component(shadow.contribution) <= 0.0) return false;
 
   lift_surface(surface, front);

@@ -1,0 +1,110 @@
+// Reflections in screen space (Sousa, Kasyan and Schulz 2011), by a hierarchical march (Uludag 2014).
+#include <algorithm>
+#include <array>
+
+#include "host/integrators/hybrid/raster/slices.h"
+#include "host/integrators/hybrid/reflections/kinds.h"
+#include "host/integrators/hybrid/reflections/reflections.h"
+#include "kernels/hybrid/reflections/nearness.spv.h"
+#include "kernels/hybrid/reflections/ssr.spv.h"
+
+namespace wavepath {
+namespace {
+
+enum ScreenStage : std::size_t { kNearness, kMarch, kScreenStageCount };
+const std::array<KernelCode, kScreenStageCount> kScreenStages = {
+    {{"nearness", wavepath_nearness_spv}, {"screen-space reflections", wavepath_ssr_spv}}};
+constexpr std::array<std::size_t, kScreenStageCount> kScreenOrder = {kMarch, kNearness};
+
+std::vector<Binding> screen_layout() {
+  std::vector<Binding> layout = reflection_layout();
+  layout.push_back({gpu::kBindNearness, BindingKind::storage, nullptr});
+  return layout;
+}
+const KernelProgram kScreenProgram = {kScreenStages, kScreenOrder, screen_layout};
+
+constexpr const char* kScreenStageName = "screen-space reflections";
+constexpr double kThickness = 0.05;                   // of the scene's radius
+constexpr std::uint64_t kFirstMarchPixels = 1u << 12; // of a slice: a guess
+
+struct Level {
+  std::uint32_t width, height;
+  std::uint32_t cells() const { return width * height; }
+};
+
+// The finest first, down to one cell. As level_size() of kernels/hybrid/reflections/screen.glsl has them.
+std::vector<Level> levels_of(std::uint32_t width, std::uint32_t height) {
+  std::vector<Level> levels = {{width, height}};
+  while (levels.back().cells() > 1) levels.push_back({(levels.back().width + 1) / 2, (levels.back().height + 1) / 2});
+  return levels;
+}
+
+class ScreenReflections : public Reflections {
+public:
+  explicit ScreenReflections(const ReflectionContext& context)
+      : Reflections(context), pixels_a_slice_(kFirstMarchPixels) {}
+
+  void change(const View& view, const RenderPlan& settings, const KernelConfig& config,
+              const std::vector<Binding>& shared) override {
+    const double radius = context_.workspace.scene.radius;
+    frame_.reach = static_cast<float>(2.0 * radius);
+    frame_.thickness = static_cast<float>(kThickness * radius);
+    levels_ = levels_of(settings.width, settings.height);
+    std::uint64_t cells = 0;
+    for (const Level& level : levels_) cells += level.cells();
+    reserve(context_.workspace.device, nearness_, cells * sizeof(float));
+    Reflections::change(view, settings, config, shared);
+  }
+
+  void finish(WaveQueue& queue) override {
+    queue.submit([this](Commands& commands) { record_levels(commands); }, {.stage = kScreenStageName});
+    const std::uint64_t most = pixels_a_slice_.next_frame(), pixels = levels_.front().cells();
+    for (std::uint64_t first = 0; first < pixels; first += most) {
+      gpu::Wave wave{};
+      wave.first_pixel = static_cast<std::uint32_t>(first);
+      wave.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels - first));
+      const auto record = [&](Commands& commands) {
+        commands.bind(bindings(0));
+        commands.dispatch(kernels()[kMarch], groups_for(wave.pixel_count), &wave);
+      };
+      queue.submit(record, {.stage = kScreenStageName,
+                            .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
+    }
+  }
+
+  std::uint64_t bytes() const override { return Reflections::bytes() + nearness_.bytes(); }
+
+protected:
+  void add_bindings(std::vector<Binding>& bindings) override {
+    bindings.push_back({gpu::kBindNearness, BindingKind::storage, &nearness_});
+  }
+
+private:
+  void record_levels(Commands& commands) {
+    commands.bind(bindings(0));
+    for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+      gpu::Wave wave{};
+      wave.bounce = level;
+      wave.pixel_count = levels_[level].cells();
+      commands.barrier();
+      commands.dispatch(kernels()[kNearness], groups_for(wave.pixel_count), &wave);
+    }
+  }
+
+  std::vector<Level> levels_;
+  Buffer nearness_;
+  SliceLength pixels_a_slice_;
+};
+
+} // namespace
+
+constinit const ReflectionKind kReflectionSsr = {
+    .name = "ssr",
+    .summary = "found by a march over the picture, which misses what it does not show (Uludag 2014)",
+    .program = &kScreenProgram,
+    .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
+      return std::make_unique<ScreenReflections>(context);
+    },
+};
+
+} // namespace wavepath

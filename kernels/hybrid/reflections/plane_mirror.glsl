@@ -1,0 +1,23 @@
+// Whether a pixel of the frame shows a plane mirror. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES,
+// BIND_HYBRID and BIND_VISIBILITY, and declare `reflection` first.
+#ifndef WAVEPATH_PLANE_MIRROR_GLSL
+#define WAVEPATH_PLANE_MIRROR_GLSL
+
+#include "kernels/hybrid/hybrid.glsl"
+#include "kernels/bvh/known_triangle.glsl"
+#include "kernels/surface/surface.glsl"
+
+const float kParallel = 0.9999; // cosine of the normals of one plane
+
+bool shows_plane_mirror(uvec2 pixel, vec4 plane) {
+  uvec2 visible = texelFetch(visibility, int(pixel.y * frame.width + pixel.x)).xy;
+  if (visible.x == kNone) return false;
+  vec3 origin, direction;
+  hybrid_camera_ray(pixel, origin, direction);
+  Surface surface = fetch_surface(hit_of_triangle(visible.x, visible.y, origin, direction));
+  return abs(dot(plane.xyz, surface.position) + plane.w) <= reflection.tolerance &&
+         abs(dot(plane.xyz, surface.geometric_normal)) > kParallel &&
+         surface.vertex_normal == surface.geometric_normal;
+}
+
+#endif
