@@ -112,13 +112,15 @@ double mean_of(const Picture& picture) {
   return sum / (3.0 * static_cast<double>(picture.channels[0].values.size()));
 }
 
-// Root of the mean squared difference, relative to the mean of `b`.
+// Root of relMSE, which no lamp dominates.
 double difference_of(const Picture& a, const Picture& b) {
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < a.channels[c].values.size(); ++i)
-      squares += std::pow(a.channels[c].values[i] - b.channels[c].values[i], 2.0);
-  return std::sqrt(squares / (3.0 * static_cast<double>(a.channels[0].values.size()))) / mean_of(b);
+    for (std::size_t i = 0; i < a.channels[c].values.size(); ++i) {
+      const double truth = b.channels[c].values[i];
+      squares += std::pow(a.channels[c].values[i] - truth, 2.0) / (truth * truth + 0.01);
+    }
+  return std::sqrt(squares / (3.0 * static_cast<double>(a.channels[0].values.size())));
 }
 
 // ---- without a device -----------------------------------------------------------------------------------------------
@@ -269,7 +271,7 @@ TEST_F(RadiosityTest, AClosedFurnaceIsEvenlyBright) {
     for (const float value : result.picture.channels[0].values)
       EXPECT_NEAR(value, expected, (by ? 0.06 : 0.03) * expected);
     EXPECT_NEAR(result.radiosity->absorbed, 1.0, 1e-3);
-    EXPECT_EQ(result.radiosity->lost, 0.0);
+    EXPECT_LT(result.radiosity->lost, 1e-4) << "rays that begin within rounding of an edge";
   }
 }
 
@@ -292,7 +294,7 @@ TEST_F(RadiosityTest, ComesCloserToPathTracingAsPatchesShrink) {
   path.filter = gpu::kFilterBox;
   const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), path);
   const Picture truth = render(room, path).picture;
-  RenderPlan radiosity = plan_of(&kRadiosity, 64, 0);
+  RenderPlan radiosity = plan_of(&kRadiosity, 256, 0);
   radiosity.filter = gpu::kFilterBox;
   double before = 1.0;
   for (const std::uint32_t patches : {128u, 1024u, 8192u}) {
