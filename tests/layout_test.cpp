@@ -28,6 +28,7 @@
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
 #include "kernels/path/path_types.h"
+#include "kernels/radiosity/radiosity_types.h"
 #include "kernels/volume/voxel_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
@@ -324,6 +325,16 @@ TEST(Layout, Whitted) {
            AT(WhittedNode, weight), AT(WhittedNode, path), AT(WhittedNode, hit), AT(WhittedNode, hit_weight),
            AT(WhittedNode, hit_medium), AT(WhittedNode, arrival), AT(WhittedNode, hit_path), AT(WhittedNode, depth),
            AT(WhittedNode, hit_depth)});
+}
+
+TEST(Layout, Radiosity) {
+  compare("Patch", sizeof(Patch), {AT(Patch, triangle), AT(Patch, instance), AT(Patch, corner)});
+  compare("PatchSurface", sizeof(PatchSurface),
+          {AT(PatchSurface, reflectance), AT(PatchSurface, opacity), AT(PatchSurface, emission),
+           AT(PatchSurface, both_sides)});
+  compare("ShotBlock", sizeof(ShotBlock),
+          {AT(ShotBlock, face), AT(ShotBlock, first), AT(ShotBlock, rays), AT(ShotBlock, shot)});
+  compare("SeenPoint", sizeof(SeenPoint), {AT(SeenPoint, hit), AT(SeenPoint, weight), AT(SeenPoint, back)});
 }
 
 TEST(Layout, Filters) {

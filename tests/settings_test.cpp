@@ -37,9 +37,9 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
-               transparency_samples, reflections, reflection_threshold, branching, techniques, cutoff, denoise, mips,
-               lights, light_samples, sky_samples, reuse, adaptive, clamp, guide, specialize, aovs, aov_through,
-               light_groups, transparent] = settings;
+               transparency_samples, reflections, reflection_threshold, branching, techniques, cutoff, patches,
+               subdivision, form_factors, patch_rays, gather, denoise, mips, lights, light_samples, sky_samples, reuse,
+               adaptive, clamp, guide, specialize, aovs, aov_through, light_groups, transparent] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {
       {"integrator", std::string(name_of(integrator))},
@@ -99,6 +99,11 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"branching", text(branching)},
       {"techniques", text(techniques)},
       {"cutoff", text(cutoff)},
+      {"patches", text(patches)},
+      {"subdivision", text(subdivision)},
+      {"form-factors", text(form_factors)},
+      {"patch-rays", text(patch_rays)},
+      {"gather", text(gather)},
       {"denoise", text(denoise)},
       {"mips", text(mips)},
       {"lights", text(lights)},

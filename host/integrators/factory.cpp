@@ -5,13 +5,14 @@
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/integrators/radiosity/kind.h"
 #include "host/integrators/whitted/kind.h"
 #include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 
 std::span<const IntegratorKind* const> integrators() {
-  static const std::array kAll = {&kPath, &kBidirectional, &kHybrid, &kAo, &kWhitted};
+  static const std::array kAll = {&kPath, &kBidirectional, &kHybrid, &kAo, &kWhitted, &kRadiosity};
   return kAll;
 }
 

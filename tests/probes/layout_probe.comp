@@ -16,6 +16,7 @@
 #include "kernels/hybrid/shadows/planar_types.h"
 #include "kernels/hybrid/shadows/shadow_types.h"
 #include "kernels/volume/voxel_types.h"
+#include "kernels/radiosity/radiosity_types.h"
 #include "kernels/whitted/whitted_types.h"
 
 layout(local_size_x = 1) in;
@@ -37,6 +38,10 @@ layout(set = 0, binding = 9, std430) buffer ShadowRays { ShadowRay shadow_rays[]
 layout(set = 0, binding = 10, std430) buffer QueueBlocks { Queues queues[]; };
 layout(set = 0, binding = 28, std430) buffer WhittedNodes { WhittedNode whitted_nodes[]; };
 layout(set = 0, binding = 27, std430) buffer WhittedFrames { WhittedFrame whitted_frames[]; };
+layout(set = 0, binding = 46, std430) buffer PatchBlocks { Patch patches[]; };
+layout(set = 0, binding = 47, std430) buffer PatchSurfaces { PatchSurface patch_surfaces[]; };
+layout(set = 0, binding = 48, std430) buffer ShotBlocks { ShotBlock shot_blocks[]; };
+layout(set = 0, binding = 49, std430) buffer SeenPoints { SeenPoint seen_points[]; };
 layout(set = 0, binding = 26, std430) buffer CounterBlocks { Counters counters[]; };
 layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
 layout(set = 0, binding = 21, std430) buffer Sums { ExactSum sums[]; };

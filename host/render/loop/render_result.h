@@ -102,6 +102,18 @@ struct DenoiseReport {
   double light = 1.0; // total light of the filtered picture, relative to the unfiltered one
 };
 
+// The light of patches, which serves all views of a scene (--integrator radiosity).
+struct RadiosityReport {
+  std::uint32_t patches = 0, shots = 0;
+  std::uint64_t rays = 0; // of all shots, on a coarse mesh too
+  double remaining = 0.0; // share of the power that an ambient term stands for
+  double absorbed = 0.0;  // share of the power that patches absorb, by the light that cameras see
+  double lost = 0.0;      // share of the power that left the scene
+  double seconds = 0.0;   // of solving
+  bool kept = false;      // solved for an earlier picture
+  std::uint64_t bytes = 0;
+};
+
 struct RenderResult {
   Picture picture;
   std::shared_ptr<const Film> film; // exact sums from which the picture was developed
@@ -126,6 +138,7 @@ struct RenderResult {
   glm::vec3 ambient{0.0f}; // ambient radiance of a hybrid render
   std::optional<GuideReport> guide;
   std::optional<MergeReport> merging;
+  std::optional<RadiosityReport> radiosity;
   std::optional<ShadowReport> shadows;
   std::optional<OcclusionReport> occlusion;
   std::optional<ReflectionReport> reflections;

@@ -273,6 +273,7 @@ private:
     all.ambient = part.ambient;
     all.guide = part.guide;
     all.merging = part.merging;
+    all.radiosity = part.radiosity;
     all.shadows = part.shadows;
     all.occlusion = part.occlusion;
     all.reflections = part.reflections;

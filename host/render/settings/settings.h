@@ -133,6 +133,11 @@ struct RenderSettings {
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
+  std::uint32_t patches = 4096;                   // patches of the radiosity mesh
+  std::uint32_t subdivision = 0;                  // how surfaces are cut into patches: index into kSubdivisionNames
+  std::uint32_t form_factors = 0;      // how the light between patches is measured: index into kFormFactorNames
+  std::uint32_t patch_rays = 256;      // rays for each patch that the light of all lamps is sent by
+  bool gather = false;                 // every sample gathers the light of patches by rays of its own
   std::uint32_t denoise = kDenoiseOff; // noise filter of every frame or of the finished picture (denoising.h); biased
   bool mips = true;                    // mip levels in frames of one sample (mips.h); biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses a light: kLights constants

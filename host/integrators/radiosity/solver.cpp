@@ -1,0 +1,223 @@
+#include "host/integrators/radiosity/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/base/clock.h"
+#include "host/gpu/commands.h"
+#include "host/integrators/radiosity/adaptive_patches.h"
+#include "host/integrators/radiosity/hemicube.h"
+#include "host/integrators/radiosity/settings.h"
+#include "host/render/workspace/resources.h"
+#include "host/render/workspace/wave_queue.h"
+#include "host/render/workspace/workspace.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kLightRays = 64; // shadow rays of a face, at least one to every light
+// Rays of a dispatch: on two cores of a CPU 2^15 take 30 ms.
+constexpr std::uint32_t kRaysOfCpu = 1u << 15, kRaysOfGpu = 1u << 20;
+
+std::uint32_t rays_at_once(const Workspace& workspace) {
+  return workspace.device.info().type == "cpu" ? kRaysOfCpu : kRaysOfGpu;
+}
+
+std::uint32_t triangle_lights(const PackedScene& scene) {
+  return static_cast<std::uint32_t>(std::ranges::count(scene.lights, gpu::kLightTriangle, &gpu::Light::kind));
+}
+
+// Calls `submit` for as many items at a time as a dispatch holds; the wave says which.
+template <class Submit>
+void for_parts(std::uint32_t items, std::uint32_t at_once, gpu::Wave& wave, const Submit& submit) {
+  for (wave.first_pixel = 0; wave.first_pixel < items; wave.first_pixel += at_once) {
+    wave.pixel_count = std::min(at_once, items - wave.first_pixel);
+    submit();
+  }
+}
+
+} // namespace
+
+std::vector<Binding> Solver::layout() {
+  return {{gpu::kBindPatchRoots, BindingKind::texels_r32ui}, {gpu::kBindPatchNodes, BindingKind::texels_r32ui},
+          {gpu::kBindPatches, BindingKind::texels_rgba32ui}, {gpu::kBindPatchSurfaces, BindingKind::storage},
+          {gpu::kBindPatchLight, BindingKind::storage},      {gpu::kBindShotBlocks, BindingKind::texels_rgba32ui},
+          {gpu::kBindShotHits, BindingKind::storage},        {gpu::kBindCornerLight, BindingKind::texels_rgba32f}};
+}
+
+void Solver::add_bindings(std::vector<Binding>& bindings) const {
+  std::vector<Binding> own = layout();
+  const Buffer* buffers[] = {&roots_, &nodes_, &patches_, &surfaces_, &lamp_light_, &blocks_, &hits_, &corners_};
+  for (std::size_t i = 0; i < own.size(); ++i) own[i].buffer = buffers[i];
+  bindings.insert(bindings.end(), own.begin(), own.end());
+}
+
+std::uint64_t Solver::bytes() const {
+  return roots_.bytes() + nodes_.bytes() + patches_.bytes() + surfaces_.bytes() + lamp_light_.bytes() +
+         blocks_.bytes() + hits_.bytes() + corners_.bytes();
+}
+
+void Solver::upload(const PatchTree& tree) {
+  Device& device = workspace_.device;
+  const std::uint64_t faces = 2 * std::uint64_t{tree.size()}, rays = rays_at_once(workspace_);
+  roots_ = wavepath::upload(device, tree.roots);
+  nodes_ = wavepath::upload(device, tree.nodes);
+  patches_ = wavepath::upload(device, tree.patches);
+  surfaces_ = Buffer(device, tree.size() * sizeof(gpu::PatchSurface));
+  lamp_light_ = Buffer(device, faces * sizeof(gpu::vec4));
+  corners_ = Buffer(device, faces * 3 * sizeof(gpu::vec4));
+  reserve(device, blocks_, rays / gpu::kWorkgroupSize * sizeof(gpu::ShotBlock));
+  reserve(device, hits_, rays * sizeof(std::uint32_t));
+}
+
+void Solver::submit(const Kernel& kernel, const gpu::Wave& wave, WaveQueue& queue) {
+  queue.submit(
+      [&](Commands& commands) {
+        commands.bind(*set_);
+        commands.dispatch(kernel, groups_for(wave.pixel_count), &wave);
+      },
+      {.timed_dispatches = 1});
+}
+
+// Irradiance of faces by lamps without a surface and by the environment.
+void Solver::measure_light(std::uint32_t faces, const KernelSet& kernels, WaveQueue& queue) {
+  const PackedScene& scene = workspace_.scene;
+  const std::uint32_t first = triangle_lights(scene);
+  const bool sky = (scene.features & gpu::kFeatureEnvironment) && scene.environment_probability == 0.0f;
+  const std::uint32_t lights = static_cast<std::uint32_t>(scene.lights.size()) - first + sky;
+  by_lamps_.assign(faces, glm::dvec3(0.0));
+  if (lights == 0) return;
+  gpu::Wave wave{.bounce = first, .first_film_pixel = lights}; // see radiosity_light.comp
+  wave.sample_count = lights * ((kLightRays + lights - 1) / lights);
+  for_parts(faces, rays_at_once(workspace_) / gpu::kPatchLightSamples, wave, [&] {
+    for (wave.first_sample = 0; wave.first_sample < wave.sample_count; wave.first_sample += gpu::kPatchLightSamples)
+      submit(kernels[kPatchLight], wave, queue);
+  });
+  queue.drain();
+  std::vector<gpu::vec4> copy;
+  const std::span<const gpu::vec4> light = look_at(lamp_light_, faces, copy);
+  for (std::uint32_t i = 0; i < faces; ++i) by_lamps_[i] = glm::dvec3(light[i]);
+}
+
+std::vector<Face> Solver::measure(const PatchMesh& mesh, const KernelSet& kernels, WaveQueue& queue) {
+  const auto patches = static_cast<std::uint32_t>(mesh.areas.size());
+  gpu::Wave wave{};
+  for_parts(patches, rays_at_once(workspace_), wave, [&] { submit(kernels[kPatchMeasure], wave, queue); });
+  queue.drain();
+  measure_light(2 * patches, kernels, queue);
+  std::vector<gpu::PatchSurface> copy;
+  const std::span<const gpu::PatchSurface> surfaces = look_at(surfaces_, patches, copy);
+  std::vector<Face> faces;
+  faces.reserve(2 * std::size_t{patches});
+  for (std::uint32_t i = 0; i < patches; ++i)
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      const gpu::PatchSurface& surface = surfaces[i];
+      Face face = {.area = mesh.areas[i] * static_cast<double>(surface.opacity),
+                   .reflectance = glm::dvec3(surface.reflectance)};
+      face.unshot = face.reflectance * by_lamps_[faces.size()];
+      if (side == 0 || surface.both_sides) face.unshot += glm::pi<double>() * glm::dvec3(surface.emission);
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+// Shots go to the device in blocks of a workgroup's rays, as many at once as a dispatch holds.
+void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, WaveQueue& queue) {
+  Refinement& refinement = *work_->refinement;
+  const bool by_hemicube = settings_.form_factors == kFormFactorsHemicube;
+  struct Sent {
+    const Shot* shot;
+    std::uint32_t first, side; // side 0: rays
+  };
+  static_assert(gpu::kWorkgroupSize == 64);
+  std::vector<Sent> sent;
+  std::vector<gpu::ShotBlock> blocks;
+  std::map<std::uint32_t, std::vector<double>> weights; // of hemicubes, by side
+  const std::uint32_t most = rays_at_once(workspace_) / gpu::kWorkgroupSize;
+  const auto flush = [&] {
+    if (blocks.empty()) return;
+    blocks_.write(blocks.data(), blocks.size() * sizeof(gpu::ShotBlock));
+    submit(kernels[kShoot], {.pixel_count = static_cast<std::uint32_t>(blocks.size()) * gpu::kWorkgroupSize}, queue);
+    queue.drain();
+    std::vector<std::uint32_t> copy;
+    const std::span<const std::uint32_t> hits = look_at(hits_, blocks.size() * gpu::kWorkgroupSize, copy);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const auto& [shot, first, side] = sent[b];
+      const std::uint32_t rays = side ? 3 * side * side : shot->rays;
+      for (std::uint32_t i = 0; i < gpu::kWorkgroupSize && first + i < rays; ++i) {
+        const std::uint32_t face = hits[b * gpu::kWorkgroupSize + i];
+        const glm::dvec3 power = shot->power * (side ? weights[side][first + i] : 1.0 / rays);
+        if (face == gpu::kNone)
+          refinement.lose(power);
+        else
+          refinement.receive(face, power);
+      }
+    }
+    report_.rays += blocks.size() * gpu::kWorkgroupSize;
+    blocks.clear(), sent.clear();
+  };
+  for (const Shot& shot : shots) {
+    const std::uint32_t side = by_hemicube ? hemicube_side(shot.rays) : 0;
+    if (side && !weights.contains(side)) weights[side] = delta_form_factors(side);
+    const std::uint32_t rays = side ? 3 * side * side : shot.rays;
+    for (std::uint32_t first = 0; first < rays; first += gpu::kWorkgroupSize) {
+      blocks.push_back({shot.face, first, side ? side | gpu::kHemicube : rays, shot.number});
+      sent.push_back({&shot, first, side});
+      if (blocks.size() == most) flush();
+    }
+  }
+  flush();
+}
+
+void Solver::begin(const RenderPlan& settings) {
+  settings_ = settings;
+  report_ = {};
+  const bool adapts = settings.subdivision == kSubdivisionAdaptive;
+  const std::uint32_t patches = adapts ? settings.patches / kCoarseShare : settings.patches;
+  work_.emplace(Mesh{.tree = uniform_patches(workspace_.scene, patches), .is_coarse = adapts});
+}
+
+bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) {
+  const Clock::time_point start = Clock::now();
+  bool is_solved = false;
+  if (!work_->refinement) {
+    work_->mesh = make_mesh(workspace_.scene, work_->tree);
+    upload(work_->tree);
+    set_ = &bind();
+    const double rays = 1.0 * settings_.patch_rays * work_->tree.size();
+    work_->refinement.emplace(measure(work_->mesh, kernels, queue), rays);
+  } else if (const auto shots = work_->refinement->next_shots(rays_at_once(workspace_)); !shots.empty()) {
+    trace(shots, kernels, queue);
+  } else {
+    is_solved = finish_mesh();
+  }
+  report_.seconds += seconds_since(start);
+  return is_solved;
+}
+
+// Leaves the light at the corners, or makes the tree of the final mesh of that on the coarse one.
+bool Solver::finish_mesh() {
+  const Refinement& refinement = *work_->refinement;
+  std::vector<glm::dvec3> light = refinement.irradiance();
+  report_.absorbed = refinement.absorbed(light);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] += by_lamps_[i];
+  const std::vector<glm::vec4> corners = light_at_corners(work_->mesh, light);
+  if (work_->is_coarse) {
+    refine(work_->tree, work_->mesh, refinement.faces(), corners, settings_.patches);
+    work_->refinement.reset();
+    work_->is_coarse = false;
+    return false;
+  }
+  corners_.write(corners.data(), corners.size() * sizeof(glm::vec4));
+  report_.patches = work_->tree.size();
+  report_.shots = refinement.shots();
+  report_.remaining = refinement.remaining();
+  report_.lost = refinement.lost();
+  report_.bytes = bytes();
+  work_.reset();
+  return true;
+}
+
+} // namespace wavepath

@@ -1,0 +1,72 @@
+// Types of the kernels of radiosity: patches, shots and points that cameras see.
+#ifndef WAVEPATH_RADIOSITY_TYPES_H
+#define WAVEPATH_RADIOSITY_TYPES_H
+
+#include "kernels/base/frame_types.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// Texels R32UI: first a word for every instance (one in a scene without), which added to the index of a triangle gives
+// the place of its root; then the roots, which are nodes.
+GPU_CONSTANT uint kBindPatchRoots = 131u;
+GPU_CONSTANT uint kBindPatchNodes = 132u;    // texels R32UI: see kPatchLeaf
+GPU_CONSTANT uint kBindPatches = 133u;       // texels RGBA32UI, kPatchTexels each: Patch
+GPU_CONSTANT uint kBindPatchSurfaces = 134u; // storage PatchSurface[]
+GPU_CONSTANT uint kBindPatchLight = 135u;    // storage vec4[], one a face: irradiance by lights that are no patches
+GPU_CONSTANT uint kBindShotBlocks = 136u;    // texels RGBA32UI: ShotBlock, one a workgroup
+GPU_CONSTANT uint kBindShotHits = 137u;      // storage uint[]: face that each ray of a shot hit; kNone if none
+GPU_CONSTANT uint kBindCornerLight = 138u;   // texels RGBA32F, three a face: irradiance at its corners
+GPU_CONSTANT uint kBindSeenPoints = 139u;    // storage SeenPoint[], one a slot
+
+// A node of the tree that a triangle is cut by: either kPatchLeaf | patch, or the first of four nodes. Of these, child
+// k < 3 keeps corner k, and the last is the triangle of the middles of the sides, each in the place of the corner
+// across.
+GPU_CONSTANT uint kPatchLeaf = 0x80000000u;
+GPU_CONSTANT uint kDeepestPatch = 12u; // levels of that tree; barycentrics of float hold more
+
+// A patch, part of a triangle. Its faces are 2 * patch (front) and 2 * patch + 1 (back).
+struct Patch {
+  uint triangle;
+  uint instance;
+  vec2 corner[3]; // barycentric weights of the triangle's second and third vertex
+};
+GPU_CONSTANT uint kPatchTexels = 2u;
+GPU_CHECK(sizeof(Patch) == 16 * kPatchTexels);
+
+// What the surface of a patch does to light, on average.
+struct PatchSurface {
+  vec3 reflectance;
+  float opacity;
+  vec3 emission;   // radiance of the front
+  uint both_sides; // 1: the back shines as well
+};
+GPU_CHECK(sizeof(PatchSurface) == 32);
+
+// Rays of a shot that one workgroup traces. The first word of a block without rays is kNone.
+struct ShotBlock {
+  uint face;
+  uint first; // of its rays
+  uint rays;  // of the whole shot; by hemicube: pixels along a side of the top face, | kHemicube
+  uint shot;  // counts all shots
+};
+GPU_CHECK(sizeof(ShotBlock) == 16);
+GPU_CONSTANT uint kHemicube = 0x80000000u;
+
+// Where a camera ray meets the mesh.
+struct SeenPoint {
+  Hit hit;
+  vec3 weight; // reflectance there; 0 = nothing more to add
+  uint back;   // 1: the ray sees the back
+};
+GPU_CHECK(sizeof(SeenPoint) == 32);
+
+// Light of lamps on patches: samples of a face in one dispatch. Mesa 22.3 ends all loops of an invocation silently
+// after 65,535 trips together, and one ray takes hundreds.
+GPU_CONSTANT uint kPatchLightSamples = 16u;
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

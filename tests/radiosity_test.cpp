@@ -1,0 +1,393 @@
+// Radiosity: form factors of squares that have closed forms, the closed furnace, energy, agreement with path tracing in
+// a diffuse room as patches shrink, lamps that are no surfaces, surfaces without cracks at T-vertices, and the bits of
+// a solution that is kept for other views.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/film/film.h"
+#include "host/integrators/path/kind.h"
+#include "host/integrators/radiosity/adaptive_patches.h"
+#include "host/integrators/radiosity/hemicube.h"
+#include "host/integrators/radiosity/kind.h"
+#include "host/integrators/radiosity/settings.h"
+#include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/staging/view.h"
+#include "tests/scene_builder.h"
+#include "tests/shared_kernels.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+// Both triangles of the parallelogram at `corner`, whose front is on the side of cross(a, b).
+std::vector<glm::vec3> square(const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
+  return {corner, corner + a, corner + a + b, corner, corner + a + b, corner + b};
+}
+
+std::uint32_t add_material(Scene& scene, float reflectance, float emission) {
+  Material material = plain_material();
+  material.base_color = glm::vec4(glm::vec3(reflectance), 1.0f);
+  material.emission = glm::vec3(emission);
+  material.double_sided = false;
+  scene.materials.push_back(material);
+  return static_cast<std::uint32_t>(scene.materials.size() - 1);
+}
+
+void add_square(Scene& scene, std::uint32_t material, const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
+  add_instance(scene, add_mesh(scene, square(corner, a, b), material));
+}
+
+// A unit square that shines upwards, and a black one that `place` adds.
+Scene two_squares(const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
+  Scene scene;
+  scene.path = "test";
+  add_square(scene, add_material(scene, 0.0f, 1.0f), {0, 0, 0}, {0, 0, 1}, {1, 0, 0});
+  add_square(scene, add_material(scene, 0.0f, 0.0f), corner, a, b);
+  return scene;
+}
+
+// The walls of the unit cube, seen from inside.
+void add_walls(Scene& scene, std::uint32_t material) {
+  add_square(scene, material, {0, 0, 0}, {0, 0, 1}, {1, 0, 0});
+  add_square(scene, material, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  add_square(scene, material, {0, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  add_square(scene, material, {1, 0, 0}, {0, 0, 1}, {0, 1, 0});
+  add_square(scene, material, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  add_square(scene, material, {0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+}
+
+Camera camera_inside() {
+  Camera camera;
+  camera.yfov = 2.0;
+  camera.world_from_camera = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0.5, 0.4, 0.7, 1}};
+  return camera;
+}
+
+struct RadiositySubject {
+  PackedScene packed;
+  View view;
+
+  RadiositySubject(Scene scene, const RenderPlan& settings)
+      : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
+};
+
+RenderPlan plan_of(const IntegratorKind* integrator, std::uint32_t spp, std::uint32_t patches) {
+  RenderPlan settings;
+  settings.width = settings.height = 24;
+  settings.last_sample = spp;
+  settings.integrator = integrator;
+  settings.patches = patches;
+  return settings;
+}
+
+class RadiosityTest : public VulkanTest {
+protected:
+  RenderResult render(const RadiositySubject& subject, const RenderPlan& settings) {
+    return wavepath::render(device(), subject.packed, subject.view, settings, {}, shared_kernels(device()));
+  }
+  RenderResult render(Scene scene, const RenderPlan& settings) {
+    return render(RadiositySubject(std::move(scene), settings), settings);
+  }
+};
+
+double mean_of(const Picture& picture) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const float value : picture.channels[c].values) sum += value;
+  return sum / (3.0 * static_cast<double>(picture.channels[0].values.size()));
+}
+
+// Root of relMSE, which no lamp dominates.
+double difference_of(const Picture& a, const Picture& b) {
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < a.channels[c].values.size(); ++i) {
+      const double truth = b.channels[c].values[i];
+      squares += std::pow(a.channels[c].values[i] - truth, 2.0) / (truth * truth + 0.01);
+    }
+  return std::sqrt(squares / (3.0 * static_cast<double>(a.channels[0].values.size())));
+}
+
+// ---- without a device -----------------------------------------------------------------------------------------------
+
+// The view factor of a square of side 2 at distance 1 (Howell's catalogue B-4, four times), which is that of the top
+// face.
+TEST(Hemicube, DeltaFormFactorsAreThoseOfPixels) {
+  const double corner = std::atan(1.0 / std::sqrt(2.0)) / (std::sqrt(2.0) * std::numbers::pi);
+  for (const std::uint32_t side : {16u, 64u}) {
+    const std::vector<double> factors = delta_form_factors(side);
+    ASSERT_EQ(factors.size(), 3 * side * side);
+    double top = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < factors.size(); ++i) (i < side * side ? top : all) += factors[i];
+    EXPECT_NEAR(top + all, 1.0, 1e-12);
+    EXPECT_NEAR(top, 4.0 * corner, 0.4 / (side * side));
+  }
+}
+
+// Two faces that send all their light to each other: B = E / (1 - r1 r2), by hand.
+TEST(Refinement, ShootsUntilLittleIsLeft) {
+  std::vector<Face> faces(2);
+  faces[0] = {.area = 1.0, .reflectance = glm::dvec3(0.5), .unshot = glm::dvec3(3.0, 2.0, 1.0)};
+  faces[1] = {.area = 2.0, .reflectance = glm::dvec3(0.8)};
+  Refinement refinement(faces, 1000.0);
+  while (true) {
+    const std::vector<Shot> shots = refinement.next_shots(1);
+    if (shots.empty()) break;
+    for (const Shot& shot : shots) refinement.receive(1 - shot.face, shot.power);
+  }
+  EXPECT_LE(refinement.remaining(), Refinement::kRemaining);
+  EXPECT_GT(refinement.remaining(), 0.0);
+  EXPECT_LT(refinement.shots(), 30u);
+  const std::vector<glm::dvec3> light = refinement.irradiance();
+  EXPECT_NEAR(light[1].r, 3.0 / (1.0 - 0.4) / 2.0, 2e-3);
+  EXPECT_NEAR(light[0].g, 2.0 * 0.8 / (1.0 - 0.4), 4e-3);
+  EXPECT_NEAR(refinement.absorbed(light), 1.0, 1e-3) << "all of it, with the ambient term";
+}
+
+TEST(Patches, HaveOneSizeAndAllOfTheArea) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.5f, 0.0f));
+  add_square(scene, 0, {2, 0, 0}, {0, 0, 4}, {4, 0, 0}); // 16 times the area of a wall
+  const PackedScene packed = pack(scene);
+  const PatchTree tree = uniform_patches(packed, 2000);
+  EXPECT_LE(tree.size(), 2000u);
+  EXPECT_GT(tree.size(), 500u);
+  const PatchMesh mesh = make_mesh(packed, tree);
+  double sum = 0.0;
+  for (const double area : mesh.areas) {
+    EXPECT_NEAR(area, mesh.areas[0], 1e-9 * area);
+    sum += area;
+  }
+  EXPECT_NEAR(sum, 22.0, 1e-9);
+  EXPECT_TRUE(mesh.hanging.empty());
+}
+
+// Wherever a corner of one patch is in the middle of the side of another, light there is the mean of that side's ends.
+TEST(Patches, HaveNoCracksAtTVertices) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.5f, 0.0f));
+  const PackedScene packed = pack(scene);
+  PatchTree tree = uniform_patches(packed, 48);
+  PatchMesh mesh = make_mesh(packed, tree);
+  std::vector<Face> faces(2 * tree.size(), {.area = 1.0, .reflectance = glm::dvec3(0.5)});
+  std::vector<glm::vec4> corners(3 * faces.size(), glm::vec4(0.0f));
+  corners[3] = corners[60] = corners[120] = glm::vec4(1.0f); // light changes on few patches
+  refine(tree, mesh, faces, corners, 400);
+  EXPECT_GT(tree.size(), 390u);
+  EXPECT_LE(tree.size(), 400u);
+  mesh = make_mesh(packed, tree);
+  EXPECT_GT(mesh.hanging.size(), 20u);
+  std::vector<glm::dvec3> light;
+  for (std::uint32_t i = 0; i < 2 * tree.size(); ++i) light.emplace_back(std::fmod(i * 0.618034, 1.0), 0.0, 0.0);
+  corners = light_at_corners(mesh, light);
+  // By place, and by the direction of the wall.
+  using Key = std::array<double, 6>;
+  const auto key = [&](const glm::dvec3& p, const std::array<glm::dvec3, 3>& patch) {
+    const glm::dvec3 n = glm::round(glm::normalize(glm::cross(patch[1] - patch[0], patch[2] - patch[0])));
+    return Key{p.x, p.y, p.z, n.x + 0.0, n.y + 0.0, n.z + 0.0};
+  };
+  std::map<Key, float> at;
+  for (std::uint32_t patch = 0; patch < tree.size(); ++patch) {
+    const std::array<glm::dvec3, 3> p = corners_of(packed, tree.patches[patch]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float value = corners[6 * patch + i].r;
+      const auto [one, is_new] = at.try_emplace(key(p[i], p), value);
+      EXPECT_EQ(one->second, value) << "one vertex of several patches";
+    }
+  }
+  std::size_t found = 0;
+  for (std::uint32_t patch = 0; patch < tree.size(); ++patch) {
+    const std::array<glm::dvec3, 3> p = corners_of(packed, tree.patches[patch]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3;
+      const auto middle = at.find(key(0.5 * (p[i] + p[j]), p));
+      if (middle == at.end()) continue;
+      ++found;
+      EXPECT_NEAR(middle->second, 0.5f * (corners[6 * patch + i].r + corners[6 * patch + j].r), 1e-6f);
+    }
+  }
+  EXPECT_GT(found, 20u);
+}
+
+// ---- oracles --------------------------------------------------------------------------------------------------------
+
+struct FormFactorCase {
+  const char* name;
+  glm::vec3 corner, a, b;
+  double factor;
+};
+
+// Howell's catalogue, C-11 and C-14, of unit squares at distance 1 and with a common edge.
+const FormFactorCase kFormFactorCases[] = {{"parallel", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.1998249},
+                                           {"perpendicular", {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0.2000438}};
+
+// What does not reach the other square leaves the scene.
+TEST_F(RadiosityTest, FormFactorsOfSquaresAreThoseOfTheCatalogue) {
+  for (const FormFactorCase& one : kFormFactorCases)
+    for (const std::uint32_t by : {0u, kFormFactorsHemicube}) {
+      SCOPED_TRACE(std::string(one.name) + " by " + std::string(kFormFactorNames[by]));
+      RenderPlan settings = plan_of(&kRadiosity, 1, 256);
+      settings.form_factors = by;
+      settings.patch_rays = 1024;
+      const RenderResult result = render(two_squares(one.corner, one.a, one.b), settings);
+      ASSERT_TRUE(result.radiosity);
+      // Rays: 65536 stratified points a triangle. Hemicube: one point a patch, of 1/8 of the square's side.
+      EXPECT_NEAR(1.0 - result.radiosity->lost, one.factor, by ? 4e-3 : 5e-4);
+    }
+}
+
+// B = E / (1 - rho) at every patch, and so in every pixel.
+TEST_F(RadiosityTest, AClosedFurnaceIsEvenlyBright) {
+  for (const std::uint32_t by : {0u, kFormFactorsHemicube}) {
+    SCOPED_TRACE(kFormFactorNames[by]);
+    Scene scene;
+    scene.path = "test";
+    add_walls(scene, add_material(scene, 0.6f, 1.0f));
+    scene.cameras.push_back(camera_inside());
+    RenderPlan settings = plan_of(&kRadiosity, 4, 384);
+    settings.form_factors = by;
+    settings.patch_rays = 2048;
+    const RenderResult result = render(std::move(scene), settings);
+    const double expected = 1.0 / (1.0 - 0.6);
+    EXPECT_NEAR(mean_of(result.picture), expected, 2e-3 * expected);
+    // 2048 rays leave a patch and as many arrive, from all others.
+    for (const float value : result.picture.channels[0].values)
+      EXPECT_NEAR(value, expected, (by ? 0.06 : 0.03) * expected);
+    EXPECT_NEAR(result.radiosity->absorbed, 1.0, 1e-3);
+    EXPECT_LT(result.radiosity->lost, 1e-4) << "rays that begin within rounding of an edge";
+  }
+}
+
+// What lamps send is absorbed or leaves through the open side.
+TEST_F(RadiosityTest, KeepsEnergyToAThousandth) {
+  for (const std::uint32_t by : {0u, kFormFactorsHemicube})
+    for (const std::uint32_t subdivision : {0u, kSubdivisionAdaptive}) {
+      RenderPlan settings = plan_of(&kRadiosity, 1, 512);
+      settings.form_factors = by, settings.subdivision = subdivision;
+      settings.patch_rays = 64;
+      const RenderResult result = render(load_gltf(kScenes + "cornell_box.gltf", {}), settings);
+      EXPECT_NEAR(result.radiosity->absorbed + result.radiosity->lost, 1.0, 1e-3);
+      EXPECT_GT(result.radiosity->lost, 0.01);
+    }
+}
+
+TEST_F(RadiosityTest, ComesCloserToPathTracingAsPatchesShrink) {
+  RenderPlan path = plan_of(&kPath, 1024, 0);
+  path.max_depth = 64;
+  path.filter = gpu::kFilterBox;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), path);
+  const Picture truth = render(room, path).picture;
+  RenderPlan radiosity = plan_of(&kRadiosity, 256, 0);
+  radiosity.filter = gpu::kFilterBox;
+  double before = 1.0;
+  for (const std::uint32_t patches : {128u, 1024u, 8192u}) {
+    radiosity.patches = patches;
+    const Picture shown = render(room, radiosity).picture;
+    const double difference = difference_of(shown, truth);
+    RecordProperty("difference_" + std::to_string(patches), std::to_string(difference));
+    EXPECT_LT(difference, 0.75 * before) << patches;
+    before = difference;
+  }
+  radiosity.patches = 1024;
+  radiosity.gather = true;
+  radiosity.last_sample = 1024;
+  const Picture gathered = render(room, radiosity).picture;
+  EXPECT_LT(difference_of(gathered, truth), before) << "what 8192 patches show";
+  EXPECT_NEAR(mean_of(gathered), mean_of(truth), 0.01 * mean_of(truth));
+}
+
+// Lamps without a surface, and a sky.
+TEST_F(RadiosityTest, FindsTheLightOfLampsAndSky) {
+  Scene scene;
+  scene.path = "test";
+  const std::uint32_t grey = add_material(scene, 0.5f, 0.0f);
+  scene.materials[grey].double_sided = true;
+  add_square(scene, grey, {0, 0, 0}, {0, 0, 1}, {1, 0, 0});
+  add_square(scene, grey, {0, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  add_square(scene, grey, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  scene.lights.push_back(
+      {.kind = LightKind::point, .intensity = glm::vec3(0.5f), .position = glm::dvec3(0.6, 0.7, 0.6)});
+  scene.environment.radiance = glm::vec3(0.2f);
+  scene.cameras.push_back(camera_inside());
+  RenderPlan path = plan_of(&kPath, 256, 0), radiosity = plan_of(&kRadiosity, 32, 4096);
+  path.max_depth = 64;
+  path.filter = radiosity.filter = gpu::kFilterBox;
+  const RadiositySubject corner(std::move(scene), path);
+  const Picture truth = render(corner, path).picture;
+  for (const bool gathers : {false, true}) {
+    radiosity.gather = gathers;
+    if (gathers) radiosity.last_sample = 256;
+    const Picture shown = render(corner, radiosity).picture;
+    EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.01 * mean_of(truth)) << gathers;
+    EXPECT_LT(difference_of(shown, truth), 0.05) << gathers;
+  }
+}
+
+// ---- bits -----------------------------------------------------------------------------------------------------------
+
+TEST_F(RadiosityTest, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderPlan whole = plan_of(&kRadiosity, 3, 512);
+  whole.patch_rays = 16;
+  whole.gather = true;
+  whole.aovs = {"albedo", "normal", "depth", "emission"};
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), whole);
+  const RenderResult expected = render(room, whole);
+  for (const std::uint32_t slots : {64u, 700u}) {
+    RenderPlan cut = whole;
+    cut.wave_slots = slots;
+    EXPECT_TRUE(*render(room, cut).film == *expected.film) << slots << " slots";
+  }
+  RenderPlan generic = whole;
+  generic.specialize = false;
+  EXPECT_TRUE(*render(room, generic).film == *expected.film) << "generic kernels";
+}
+
+// Another view of the same scene shows the solution that there is, with the bits of one made for it.
+TEST_F(RadiosityTest, KeepsItsSolutionForOtherViews) {
+  RenderPlan settings = plan_of(&kRadiosity, 2, 512);
+  settings.patch_rays = 16;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), settings);
+  View other = room.view;
+  other.position += 0.1 * other.right;
+  SceneOnDevice shared;
+  shared.keeps_loop = true;
+  KernelCompiler& kernels = shared_kernels(device());
+  const auto shown = [&](const View& view, const RenderPlan& plan, SceneOnDevice* keeper) {
+    return wavepath::render(device(), room.packed, view, plan, {}, kernels, keeper);
+  };
+  EXPECT_FALSE(shown(room.view, settings, &shared).radiosity->kept);
+  const RenderResult walked = shown(other, settings, &shared);
+  EXPECT_TRUE(walked.radiosity->kept);
+  const RenderResult fresh = shown(other, settings, nullptr);
+  EXPECT_FALSE(fresh.radiosity->kept);
+  EXPECT_TRUE(*walked.film == *fresh.film);
+  RenderPlan finer = settings;
+  finer.patches = 1024;
+  EXPECT_FALSE(shown(other, finer, &shared).radiosity->kept) << "another mesh";
+}
+
+TEST_F(RadiosityTest, RefusesGlass) {
+  Scene scene = two_squares({0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  scene.materials[1].transmission = 1.0f;
+  EXPECT_THROW(render(std::move(scene), plan_of(&kRadiosity, 1, 64)), Error);
+}
+
+} // namespace
+} // namespace wavepath::test
