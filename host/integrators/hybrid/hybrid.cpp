@@ -49,22 +49,13 @@ const std::array<KernelCode, kStageCount> kStages = {
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
                                                                 kGather,    kShare,   kJitter};
 
-enum OwnBuffer : std::size_t {
-  kFrame,
-  kGbuffer,
-  kSignals,
-  kJitters,
-  kLayers,
-  kPositionIds,
-  kPositionSeen,
-  kPositionSignals
-};
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kColorIds, kColorSeen, kColorSignals };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0,
-                        kCapacityForPositions = 1u << 1; // bits of BufferDimensions::options
+                        kCapacityForSharedColors = 1u << 1; // bits of BufferDimensions::options
 
-std::uint64_t positions(const BufferDimensions& e) {
-  return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
+std::uint64_t shared_colors(const BufferDimensions& e) {
+  return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
 }
 
 // Indexed by OwnBuffer. Data of pixels are row-major from the top left.
@@ -84,15 +75,15 @@ const std::vector<BufferRule> kHybridRules = {
     {"layers",
      [](const BufferDimensions& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
-    {"triangles of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(glm::uvec2); },
-     {{gpu::kBindPositionIds, BindingKind::storage}}},
-    {"emission of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPositionSeen, BindingKind::storage}}},
-    {"signals of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPositionSignals, BindingKind::storage}}},
+    {"triangles of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(glm::uvec2); },
+     {{gpu::kBindColorIds, BindingKind::storage}}},
+    {"emission of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSeen, BindingKind::storage}}},
+    {"signals of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSignals, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -118,7 +109,7 @@ bool joins_frames(const RenderPlan& settings) {
 
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
-  const bool shares = kAntialiasTechniques.find(settings)->shares_shading && !joins_frames(settings);
+  const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared;
@@ -250,8 +241,9 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
-                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPositions : 0)});
+  moved |=
+      buffers_.fit({.pixels = workspace_.film.pixels(),
+                    .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -395,7 +387,7 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
   if (multisamples()) {
-    frame_.sample_position = sample % gpu::kMultisamplePositions;
+    frame_.sample_position = sample % kAntialiasTechniques.find(settings_)->positions;
     if (sample != next_sample_ || frame_.sample_position == 0) frame_.first_position = frame_.sample_position;
     next_sample_ = sample + 1;
   }
