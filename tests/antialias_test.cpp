@@ -67,7 +67,7 @@ TEST_F(AntialiasTest, OneColourStaysItself) {
   const glm::vec3 colour(0.3f, 1.7f, 5.1f);
   const Scene scene = half_plane(0.0f, 200.0f, colour);
   for (const std::string_view name : kAntialiasTechniques.names()) {
-    const Picture picture = render(scene, antialias_settings(name, 4)).picture;
+    const Picture picture = render(scene, antialias_settings(name, 16)).picture;
     for (int c = 0; c < 3; ++c)
       for (const float value : picture.channels[c].values) ASSERT_EQ(value, colour[c]) << name;
   }
@@ -163,13 +163,13 @@ TEST_F(AntialiasTest, MultisamplingShadesATriangleOncePerPixel) {
     settings.direct = gpu::kDirectNee;
     return light(scene, settings);
   };
-  const std::vector<float> msaa = picture_of("msaa", 4), centre = picture_of("none", 1),
+  const std::vector<float> msaa = picture_of("msaa", 4), csaa = picture_of("csaa", 16), centre = picture_of("none", 1),
                            grid = picture_of("supersample", 4);
   std::size_t once = 0, differs = 0;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
       const int i = y * kSide + x;
-      once += std::abs(msaa[i] - centre[i]) <= 1e-6f * centre[i];
+      once += std::abs(msaa[i] - centre[i]) <= 1e-6f * centre[i] && std::abs(csaa[i] - centre[i]) <= 1e-6f * centre[i];
       differs += std::abs(grid[i] - centre[i]) > 1e-4f * centre[i];
     }
   // Pixels on the diagonal between the two triangles are shaded twice, at the same centre.
@@ -193,6 +193,46 @@ TEST_F(AntialiasTest, MultisamplingLeavesEdgesOfShadowsAlone) {
   };
   EXPECT_EQ(levels("msaa"), 0);
   EXPECT_GT(levels("supersample"), kSide / 2);
+}
+
+// Sixteen places of coverage: upright and level edges err by half a place, whatever their height; slanted ones by two.
+TEST_F(AntialiasTest, CoverageSamplesTellEdgesToASixteenth) {
+  for (const float height : {0.02f, 0.26f, 0.47f, 0.7f, 0.94f}) {
+    const std::vector<float> level = light(half_plane(0.0f, height), antialias_settings("csaa", 16));
+    const int row = kSide / 2 - 1; // the pixels that the edge crosses
+    for (int x = 0; x < kSide; ++x) EXPECT_NEAR(level[row * kSide + x], height, 0.5 / 16 + 1e-6) << height;
+    for (const float slope : {0.37f, 1.9f}) {
+      const std::vector<float> slanted = light(half_plane(slope, height), antialias_settings("csaa", 16));
+      for (int i = 0; i < kSide * kSide; ++i)
+        EXPECT_NEAR(slanted[i], coverage(i % kSide, i / kSide, slope, height, 64), 2.0 / 16) << i << " " << slope;
+    }
+  }
+}
+
+// Light for pixels to the right of x = 0, in front of a plane that shines as well: it grows at each of the upright
+// edges between these pixels' strips of equal width. Every strip is one triangle.
+Scene strips(const std::vector<float>& lights) {
+  Scene scene = half_plane(0.0f, 200.0f, glm::vec3(lights.front()));
+  for (std::size_t i = 1; i < lights.size(); ++i) {
+    Material material = plain_material();
+    material.emission = glm::vec3(lights[i]);
+    scene.materials.push_back(material);
+    const float x = static_cast<float>(i) / static_cast<float>(lights.size()), z = 0.1f * static_cast<float>(i);
+    add_instance(scene, add_mesh(scene, {{x, -400, z}, {x + 400, 0, z}, {x, 400, z}}, static_cast<std::uint32_t>(i)));
+  }
+  return scene;
+}
+
+// Four triangles in a pixel have colours of their own. Later ones take the last of these: what is seen of them stays
+// within the light that is there.
+TEST_F(AntialiasTest, CoverageSamplesKeepTheColoursOfFourTriangles) {
+  const auto first_pixels = [&](const std::vector<float>& lights) {
+    const std::vector<float> picture = light(strips(lights), antialias_settings("csaa", 16));
+    for (int y = 0; y < kSide; ++y) EXPECT_EQ(picture[y * kSide + kSide / 2], picture[kSide / 2]) << y;
+    return picture[kSide / 2];
+  };
+  EXPECT_FLOAT_EQ(first_pixels({0, 1, 2, 4}), 7.0f / 4);
+  EXPECT_FLOAT_EQ(first_pixels({1, 1.5f, 2, 2.5f, 3, 3.5f, 4, 4.5f}), (1 + 1.5f + 2 + 5 * 2.5f) / 8);
 }
 
 // What FXAA is known to do: it softens edges that need nothing.
@@ -247,7 +287,7 @@ TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
 TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
   const Scene scene = half_plane(0.37f, 0.1f);
   for (const AntialiasKind* kind : kAntialiasTechniques.rows) {
-    const RenderPlan settings = antialias_settings(kind->name, 4);
+    const RenderPlan settings = antialias_settings(kind->name, 16);
     const RenderResult result = render(scene, settings);
     const bool runs = std::ranges::count(result.stages, "anti-aliasing", &StageTime::name) > 0;
     EXPECT_EQ(runs, !kind->passes.empty() || kind->over_time) << kind->name;
@@ -268,6 +308,8 @@ TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("msaa", 8)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("msaa", 6)), UsageError);
+  EXPECT_NO_THROW(check_antialias_settings(antialias_settings("csaa", 32)));
+  EXPECT_THROW(check_antialias_settings(antialias_settings("csaa", 8)), UsageError);
   RenderPlan settings = antialias_settings("msaa", 4);
   settings.target_error = 0.1;
   EXPECT_THROW(check_antialias_settings(settings), UsageError);

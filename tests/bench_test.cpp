@@ -294,7 +294,7 @@ TEST_F(BenchCommand, WritesTheDocumentedKeys) {
 TEST_F(BenchCommand, TracesTheSameRaysInOtherStructures) {
   const auto& [outcome, document] = whole_run();
   const Json& rows = document.at("structures");
-  ASSERT_EQ(rows.size(), 7u);
+  ASSERT_EQ(rows.size(), 8u);
   for (const Json& row : rows) {
     EXPECT_NE(outcome.out.find(row.at("name").get<std::string>()), std::string::npos);
     EXPECT_GT(row.at("bytes"), 0);
@@ -307,6 +307,15 @@ TEST_F(BenchCommand, TracesTheSameRaysInOtherStructures) {
       EXPECT_GT(row.at(kind).at("agreement"), 0.99) << row;
     }
   }
+  const Json& to_lamp = document.at("lamp_structures");
+  ASSERT_EQ(to_lamp.size(), 9u);
+  EXPECT_EQ(to_lamp[8].at("name"), "light buffer");
+  for (const Json& row : to_lamp) {
+    EXPECT_GT(row.at("shadow").at("mrays_per_second"), 0.0) << row;
+    EXPECT_EQ(row.at("shadow").at("agreement"), 1.0) << row;
+    EXPECT_FALSE(row.contains("camera"));
+  }
+  EXPECT_NE(outcome.out.find("rays to one lamp"), std::string::npos);
   EXPECT_LT(rows[1].at("camera").at("visits"), rows[0].at("camera").at("visits")) << "eight children against four";
   EXPECT_EQ(rows[0].at("name"), "BVH of wavepath");
   const Outcome both = bench({kCornell, "--kernels", "--structures"});

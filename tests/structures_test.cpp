@@ -112,7 +112,7 @@ TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
        {mixture(), soup(3000, 0.2f, 7), square(), soup(1, 1.0f, 8), Triangles(200, square()[0])}) {
     std::vector<float> expected;
     for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
-    const Structure built = kind().build(triangles, bvh::Quality::best);
+    const Structure built = kind().build({.triangles = triangles, .rays = rays});
     DeviceStructure structure(*test_device().device, kind().spirv, built, triangles);
     expect_hits(structure, rays, expected, fmt::format("{}, {} triangles", kind().name, triangles.size()));
   }
@@ -124,7 +124,7 @@ TEST_P(Structures, StayWithinTheKernelsStacks) {
     const float size = std::ldexp(1.0f, -i);
     hard.push_back({{1 + size, 0, 0}, {1 + 2 * size, 0, 0}, {1 + size, size, size}});
   }
-  const Structure built = kind().build(hard, bvh::Quality::best);
+  const Structure built = kind().build({.triangles = hard});
   EXPECT_LT(built.depth, std::string_view(kind().name) == "octree" ? 16u : 64u);
   std::set<std::uint32_t> held(built.items.begin(), built.items.end());
   EXPECT_EQ(
@@ -178,6 +178,82 @@ TEST_F(WideTraversal, CountsItsWork) {
   DeviceStructure wide(*test_device().device, wide_kind().spirv, build_wide_bvh(many, bvh::Quality::fast), many);
   DeviceStructure binary(*test_device().device, structure_kinds()[1].spirv, build_sah_bvh(many), many);
   EXPECT_LT(3 * wide.count(all_rays(), false).visits, 2 * binary.count(all_rays(), false).visits);
+}
+
+class LightBuffer : public testing::Test {
+protected:
+  void SetUp() override { end_test_without_device(test_device().problem); }
+};
+
+// Rays from everywhere to the lamp, some from next to it, as the product's shadow rays are.
+std::vector<StructureRay> rays_to(Vec3 lamp) {
+  Random random(21);
+  std::vector<StructureRay> rays;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 origin = i % 10 == 0 ? lamp + random.direction() * 0.01f : random.point(-1.5f, 1.5f),
+               way = lamp - origin;
+    rays.push_back({{origin.x, origin.y, origin.z}, 1.0f, {way.x, way.y, way.z}});
+  }
+  for (int axis = 0; axis < 3; ++axis) // on the borders of cells and of faces
+    for (int i = 0; i < 66; ++i) {
+      float way[3] = {0.0625f * static_cast<float>(i % 33 - 16), i % 2 == 0 ? 1.0f : 0.0f, i < 33 ? 1.0f : -1.0f};
+      std::rotate(way, way + axis, way + 3);
+      rays.push_back({{lamp.x - way[0], lamp.y - way[1], lamp.z - way[2]}, 1.0f, {way[0], way[1], way[2]}});
+    }
+  return rays;
+}
+
+// Which rays are blocked, to the last one, wherever the lamp is: among triangles, outside, and on one of them.
+TEST_F(LightBuffer, AnswersAsEveryTriangleDoes) {
+  for (const Triangles& triangles :
+       {mixture(), soup(800, 0.3f, 7), soup(40, 3.0f, 3), square(), Triangles(200, square()[0])}) {
+    std::size_t blocked = 0;
+    for (const Vec3 lamp : {Vec3{0.1f, 0.2f, 0.3f}, Vec3{0, 0, 4}, Vec3{0.25f, -0.5f, 0}, Vec3{-30, 20, 10}}) {
+      const std::vector<StructureRay> rays = rays_to(lamp);
+      const Structure built = light_buffer_kind().build({.triangles = triangles, .lamp = {lamp.x, lamp.y, lamp.z}});
+      DeviceStructure structure(*test_device().device, light_buffer_kind().spirv, built, triangles);
+      structure.trace(rays, true);
+      const std::vector<float> found = structure.distances();
+      std::size_t misjudged = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool expected = nearest(triangles, rays[i]) < gpu::kFar;
+        blocked += expected;
+        misjudged += (found[i] < gpu::kFar) != expected;
+      }
+      EXPECT_EQ(misjudged, 0u) << triangles.size() << " triangles, lamp at " << lamp.x;
+    }
+    EXPECT_GT(blocked, 50u) << triangles.size();
+  }
+}
+
+// A wall that fills a cell ends its list; without the wall all the triangles behind it are listed.
+TEST(LightBufferLists, EndAtWhatClosesThem) {
+  Triangles triangles = soup(500, 0.05f, 2);
+  const Structure open = build_light_buffer({.triangles = triangles, .lamp = {0, 0, 9}});
+  triangles.push_back({{-90, -90, 5}, {90, -90, 5}, {0, 90, 5}});
+  const Structure closed = build_light_buffer({.triangles = triangles, .lamp = {0, 0, 9}});
+  EXPECT_GT(std::set<std::uint32_t>(open.items.begin(), open.items.end()).size(), 490u);
+  EXPECT_EQ(std::set<std::uint32_t>(closed.items.begin(), closed.items.end()), std::set<std::uint32_t>{500});
+}
+
+// Lists are sorted, and short where the rays are: far from all of the triangles.
+TEST(RayClassification, HasShortSortedLists) {
+  const Triangles triangles = soup(1500, 0.05f, 4);
+  std::vector<StructureRay> rays = all_rays();
+  rays.resize(500);
+  const Structure tree = build_ray_classification({.triangles = triangles, .rays = rays});
+  std::size_t lists = 0, longest = 0;
+  for (std::size_t node = 0; 2 * node < tree.nodes.size(); ++node) {
+    if ((tree.nodes[2 * node + 1] & 7u) != 7u) continue;
+    const std::size_t first = tree.nodes[2 * node], count = tree.nodes[2 * node + 1] >> 3;
+    lists += count > 0;
+    longest = std::max(longest, count);
+    EXPECT_TRUE(std::is_sorted(&tree.item_depths[first], &tree.item_depths[first] + count));
+  }
+  EXPECT_GT(lists, 50u);
+  EXPECT_LE(longest, 512u);
+  const Structure whole = build_ray_classification({.triangles = triangles});
+  EXPECT_EQ(whole.items.size(), 6 * triangles.size());
 }
 
 // By its words alone, as kernels/bench/wide_bvh.comp has them: each triangle lies once in the boxes of all that holds

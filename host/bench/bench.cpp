@@ -160,6 +160,10 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   if (all.structures) {
     progress("the same rays in other structures");
     result.structures = compare_structures(device, scene, view, all.render, rays, all.repetitions);
+    progress("rays to one lamp in all structures");
+    const LampRays to_lamp = rays_to_lamp(scene, view, rays);
+    result.lamp_structures =
+        compare_structures(device, scene, view, all.render, to_lamp.rays, all.repetitions, &to_lamp.lamp);
   }
   if (all.ablate)
     result.ablation = ablate(device, scene, view, all.render, warm, result.path_tracing.spp, all.repetitions, progress);

@@ -61,7 +61,8 @@ struct BenchResult {
   std::optional<double> embree_build_seconds;
   std::optional<QueryComparison> queries; // if the device's ray queries trace rays
   std::vector<AblationRow> ablation;      // empty unless asked for
-  std::vector<StructureRow> structures;   // only if asked for
+  // Only if asked for: of those rays, and of shadow rays to one lamp.
+  std::vector<StructureRow> structures, lamp_structures;
 };
 
 // The rays are those of the first sample of every pixel, as many as are in flight at once; they are traced by our own

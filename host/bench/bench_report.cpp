@@ -144,6 +144,16 @@ std::string structures_table(const std::vector<StructureRow>& rows) {
   return text + "inner nodes or cells, and triangles, a ray\n";
 }
 
+std::string lamp_table(const std::vector<StructureRow>& rows) {
+  std::string text = fmt::format("{:<18}{:>9}{:>12}{:>8}{:>9}{:>9}{:>9}{:>9}\n", "rays to one lamp", "build s",
+                                 "memory", "items", "Mrays/s", "visits", "tests", "agree");
+  for (const StructureRow& row : rows)
+    text += fmt::format("{:<18}{:>9.3f}{:>12}{:>8.2f}{:>9.3f}{:>9.1f}{:>9.1f}{:>9.4f}\n", row.name, row.build_seconds,
+                        to_size_text(row.bytes), row.items, row.mrays_per_second[kShadowRaysKind],
+                        row.visits[kShadowRaysKind], row.tests[kShadowRaysKind], row.agreement[kShadowRaysKind]);
+  return text;
+}
+
 } // namespace
 
 Json bench_document(const BenchRun& run) {
@@ -182,6 +192,7 @@ Json bench_document(const BenchRun& run) {
   if (result.queries) json["ray_query"] = queries_json(*result.queries);
   json["ablation"] = ablation;
   if (!result.structures.empty()) json["structures"] = structures_json(result.structures);
+  if (!result.lamp_structures.empty()) json["lamp_structures"] = structures_json(result.lamp_structures);
   return json;
 }
 
@@ -211,6 +222,7 @@ std::string bench_table(const BenchRun& run) {
       result.path_tracing.spp, result.path_tracing.mrays_per_second, 100 * result.path_tracing.seconds.spread,
       100 * result.path_tracing.traversal_fraction, result.path_tracing.bytes_per_path);
   if (!result.structures.empty()) text += "\n" + structures_table(result.structures);
+  if (!result.lamp_structures.empty()) text += "\n" + lamp_table(result.lamp_structures);
   if (!result.ablation.empty()) text += "\n" + ablation_table(result.ablation);
   return text;
 }

@@ -32,6 +32,7 @@ void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions)
 
 Contestant replaying(RayReplay& replay, const RaySets& rays) {
   return {[&](RayKind kind) {
+    if (count_rays(rays)[kind] == 0) return 0.0;
     if (kind == kShadowRaysKind) return replay.connect(rays.shadow);
     return replay.extend(kind == kCameraRays ? rays.camera : rays.bounce, kind == kCameraRays);
   }};

@@ -13,7 +13,9 @@
 #include "host/scene/pack/flatten.h"
 #include "kernels/bench/binary_bvh.spv.h"
 #include "kernels/bench/kd_tree.spv.h"
+#include "kernels/bench/light_buffer.spv.h"
 #include "kernels/bench/octree.spv.h"
+#include "kernels/bench/ray_classification.spv.h"
 #include "kernels/bench/uniform_grid.spv.h"
 #include "kernels/bench/wide_bvh.spv.h"
 
@@ -21,18 +23,22 @@ namespace wavepath {
 namespace {
 
 template <auto build>
-Structure of_any_quality(std::span<const bvh::Triangle> triangles, bvh::Quality) {
-  return build(triangles);
+Structure of_triangles(const StructureInput& input) {
+  return build(input.triangles);
 }
 
+Structure wide_bvh(const StructureInput& input) { return build_wide_bvh(input.triangles, input.quality); }
+
 const StructureKind kKinds[] = {
-    {"8-wide BVH", build_wide_bvh, wavepath_wide_bvh_spv},
-    {"binary BVH by SAH", of_any_quality<build_sah_bvh>, wavepath_binary_bvh_spv},
-    {"linear BVH", of_any_quality<build_linear_bvh>, wavepath_binary_bvh_spv},
-    {"kd-tree by SAH", of_any_quality<build_kd_tree>, wavepath_kd_tree_spv},
-    {"octree", of_any_quality<build_octree>, wavepath_octree_spv},
-    {"uniform grid", of_any_quality<build_uniform_grid>, wavepath_uniform_grid_spv},
+    {"8-wide BVH", wide_bvh, wavepath_wide_bvh_spv},
+    {"binary BVH by SAH", of_triangles<build_sah_bvh>, wavepath_binary_bvh_spv},
+    {"linear BVH", of_triangles<build_linear_bvh>, wavepath_binary_bvh_spv},
+    {"kd-tree by SAH", of_triangles<build_kd_tree>, wavepath_kd_tree_spv},
+    {"octree", of_triangles<build_octree>, wavepath_octree_spv},
+    {"uniform grid", of_triangles<build_uniform_grid>, wavepath_uniform_grid_spv},
+    {"ray classification", build_ray_classification, wavepath_ray_classification_spv},
 };
+const StructureKind kLightBuffer = {"light buffer", build_light_buffer, wavepath_light_buffer_spv};
 
 std::vector<bvh::Triangle> placed_triangles(const PackedScene& scene) {
   const std::vector<glm::vec3> corners = flatten(scene);
@@ -54,6 +60,15 @@ bvh::Counters count_work(const PackedScene& scene, const RaySets& rays, RayKind 
   return count_closest(scene, kind == kCameraRays ? rays.camera : rays.bounce, 1).total;
 }
 
+glm::vec3 place_of_lamp(const PackedScene& scene, const View& view, const RaySets& rays) {
+  for (const gpu::Light& light : scene.lights)
+    if (light.kind == gpu::kLightPoint || light.kind == gpu::kLightSpot) return light.position;
+  glm::dvec3 middle(0.0);
+  for (const gpu::Ray& ray : rays.bounce) middle += glm::dvec3(ray.origin) / static_cast<double>(rays.bounce.size());
+  const glm::dvec3 eye = view.position - scene.origin;
+  return glm::vec3(eye + 0.25 * glm::distance(eye, middle) * glm::normalize(view.up));
+}
+
 std::vector<bool> are_hits(const std::vector<float>& distances) {
   std::vector<bool> hits;
   for (const float t : distances) hits.push_back(t < gpu::kFar);
@@ -64,9 +79,18 @@ std::vector<bool> are_hits(const std::vector<float>& distances) {
 
 std::span<const StructureKind> structure_kinds() { return kKinds; }
 
+const StructureKind& light_buffer_kind() { return kLightBuffer; }
+
+LampRays rays_to_lamp(const PackedScene& scene, const View& view, const RaySets& rays) {
+  LampRays result{.lamp = place_of_lamp(scene, view, rays)};
+  for (const gpu::Ray& ray : rays.bounce)
+    result.rays.shadow.push_back({ray.origin, ray.slot, result.lamp - ray.origin, 1.0f, glm::vec3(1.0f), 0});
+  return result;
+}
+
 std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
-                                             const RenderPlan& settings, const RaySets& rays,
-                                             std::uint32_t repetitions) {
+                                             const RenderPlan& settings, const RaySets& rays, std::uint32_t repetitions,
+                                             const glm::vec3* lamp) {
   const std::vector<bvh::Triangle> triangles = placed_triangles(scene);
   if (triangles.empty()) return {};
   RenderPlan plain = settings;
@@ -86,9 +110,13 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
                 static_cast<double>(std::max<std::uint64_t>(scene.triangles_stored, 1))}};
   std::vector<std::unique_ptr<DeviceStructure>> structures;
   std::vector<Contestant> contestants{replaying(replay, rays)};
-  for (const StructureKind& kind : kKinds) {
+  std::vector<StructureKind> kinds(std::begin(kKinds), std::end(kKinds));
+  if (lamp) kinds.push_back(kLightBuffer);
+  std::vector<StructureRay> all_rays;
+  for (const std::vector<StructureRay>& set : sets) all_rays.insert(all_rays.end(), set.begin(), set.end());
+  for (const StructureKind& kind : kinds) {
     const Clock::time_point start = Clock::now();
-    const Structure built = kind.build(triangles, scene.bvh_quality);
+    const Structure built = kind.build({triangles, scene.bvh_quality, all_rays, lamp ? *lamp : glm::vec3(0.0f)});
     StructureRow& row = rows.emplace_back(StructureRow{.name = kind.name, .build_seconds = seconds_since(start)});
     row.items = static_cast<double>(built.items.size()) / static_cast<double>(triangles.size());
     structures.push_back(std::make_unique<DeviceStructure>(device, kind.spirv, built, triangles));

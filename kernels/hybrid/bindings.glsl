@@ -29,10 +29,10 @@ layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]
 layout(set = 0, binding = kBindReflections, std430) buffer ReflectionBlock { vec4 reflections[]; };
 #endif
 
-#ifdef BIND_POSITIONS
-layout(set = 0, binding = kBindPositionIds, std430) buffer PositionIdBlock { uvec2 position_ids[]; };
-layout(set = 0, binding = kBindPositionSeen, std430) buffer PositionSeenBlock { vec4 position_seen[]; };
-layout(set = 0, binding = kBindPositionSignals, std430) buffer PositionSignalBlock { vec4 position_signals[]; };
+#ifdef BIND_SHARED_COLORS
+layout(set = 0, binding = kBindColorIds, std430) buffer ColorIdBlock { uvec2 color_ids[]; };
+layout(set = 0, binding = kBindColorSeen, std430) buffer ColorSeenBlock { vec4 color_seen[]; };
+layout(set = 0, binding = kBindColorSignals, std430) buffer ColorSignalBlock { vec4 color_signals[]; };
 #endif
 
 #ifdef BIND_JITTERS

@@ -20,11 +20,12 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, fraction of light they let pass
 GPU_CONSTANT uint kBindReflections = 131u; // storage vec4[] (kHybridReflections): what mirrors show of lit surfaces
-// kMultisamplePositions frames see a pixel at one position each and share shading (kHybridMultisample). One picture a
-// frame: what it saw, and kBindSeen and kBindSignals of the frame that shaded it.
-GPU_CONSTANT uint kBindPositionIds = 82u;     // storage uvec2[]
-GPU_CONSTANT uint kBindPositionSeen = 83u;    // storage vec4[]
-GPU_CONSTANT uint kBindPositionSignals = 84u; // storage vec4[]
+// Several frames see a pixel at one position each and share shading (kHybridMultisample): that of up to kSharedColors
+// triangles. One picture a triangle: its name as in kBindVisibility, and kBindSeen and kBindSignals of the frame that
+// shaded it.
+GPU_CONSTANT uint kBindColorIds = 82u;     // storage uvec2[]
+GPU_CONSTANT uint kBindColorSeen = 83u;    // storage vec4[]
+GPU_CONSTANT uint kBindColorSignals = 84u; // storage vec4[]
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same position of its filter, so that the frame can be
@@ -41,8 +42,8 @@ struct HybridFrame {
   uint flags;           // kHybrid bits
   float ao_bias;        // least angle of horizons above the tangent plane, radians
   float ao_thinness;    // fraction by which what is seen behind a body lowers its horizon; 0: bodies have no back
-  uint sample_position; // kHybridMultisample: of the frame among kMultisamplePositions
-  uint first_position;  // first position for which earlier ones are known
+  uint sample_position; // kHybridMultisample: of the frame among those that share shading
+  uint first_position;  // first of them from which on colours are kept
 };
 GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
@@ -52,11 +53,11 @@ GPU_CONSTANT uint kHybridToColor = 1u << 2;     // composite leaves the frame in
 GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // composite reads the frame from `seen`
 GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
-GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPositionIds
+GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindColorIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
 GPU_CONSTANT uint kHybridReflections = 1u << 8; // mirrors show lit surfaces, see kBindReflections
-GPU_CONSTANT uint kMultisamplePositions = 4u;  // positions in a pixel
-GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
+GPU_CONSTANT uint kSharedColors = 4u;           // triangles of a pixel whose shading frames share
+GPU_CONSTANT float kDemodulationFloor = 0.1f;   // see demodulation()
 
 // First hit of a pixel, as filters need it.
 struct GbufferPixel {

@@ -13,10 +13,10 @@
 #define BIND_VISIBILITY
 #define BIND_GBUFFER
 #define BIND_SEEN
-#define BIND_POSITIONS
+#define BIND_SHARED_COLORS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/hybrid/covered_positions.glsl"
+#include "kernels/hybrid/shared_colors.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/bvh/known_triangle.glsl"
@@ -81,7 +81,7 @@ void main() {
   float diffuse;
   gbuffer[pixel_index] = gbuffer_of(hit, pixel_index, origin, direction, diffuse);
   if (wants_lights()) seen[pixel_index] = vec4(vec3(0.0), diffuse);
-  bool shades = !multisamples() || shading_position(pixel_index) == hybrid.sample_position;
+  bool shades = !multisamples() || shared_color(pixel_index).shades;
   if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;

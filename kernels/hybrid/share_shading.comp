@@ -6,10 +6,10 @@
 #define BIND_VISIBILITY
 #define BIND_SIGNALS
 #define BIND_SEEN
-#define BIND_POSITIONS
+#define BIND_SHARED_COLORS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/hybrid/covered_positions.glsl"
+#include "kernels/hybrid/shared_colors.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -18,14 +18,16 @@ layout(local_size_x = kWorkgroupSize) in;
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
-  uint other = position_index(shading_position(pixel_index), pixel_index),
-       own = position_index(hybrid.sample_position, pixel_index);
-  position_ids[own] = texelFetch(visibility, int(pixel_index)).xy;
-  if (other != own) {
-    signals[pixel_index] = position_signals[other];
-    if (wants_lights()) seen[pixel_index] = position_seen[other];
+  SharedColor shared_ = shared_color(pixel_index);
+  uint kept = color_index(shared_.color, pixel_index);
+  if (!shared_.shades) {
+    signals[pixel_index] = color_signals[kept];
+    if (wants_lights()) seen[pixel_index] = color_seen[kept];
     return;
   }
-  position_signals[own] = signals[pixel_index];
-  if (wants_lights()) position_seen[own] = seen[pixel_index]; // otherwise nothing has a place in `seen`
+  if (hybrid.sample_position == hybrid.first_position)
+    for (uint color = 1u; color < kSharedColors; ++color) color_ids[color_index(color, pixel_index)] = kNoColor;
+  color_ids[kept] = texelFetch(visibility, int(pixel_index)).xy;
+  color_signals[kept] = signals[pixel_index];
+  if (wants_lights()) color_seen[kept] = seen[pixel_index]; // otherwise nothing has a place in `seen`
 }

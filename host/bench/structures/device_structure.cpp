@@ -43,7 +43,8 @@ DeviceStructure::DeviceStructure(Device& device, std::span<const std::uint32_t> 
       stack_in_registers_(device.info().type == "cpu"),
       corners_(upload(device, list_corners(structure, triangles))),
       nodes_(upload(device, structure.nodes)),
-      items_(upload(device, structure.items_in_place ? std::vector<std::uint32_t>(1) : structure.items)) {}
+      items_(upload(device, structure.items_in_place ? std::vector<std::uint32_t>(1) : structure.items)),
+      item_depths_(upload(device, structure.item_depths.empty() ? std::vector<float>(1) : structure.item_depths)) {}
 
 void DeviceStructure::send(std::span<const StructureRay> rays) {
   if (sent_ == rays.data() && ray_count_ == rays.size()) return;
@@ -56,7 +57,8 @@ void DeviceStructure::send(std::span<const StructureRay> rays) {
                                     {2, node_kind_, &nodes_},
                                     {3, BindingKind::texels_r32ui, &items_},
                                     {4, BindingKind::storage, &distances_},
-                                    {5, BindingKind::storage, &work_}};
+                                    {5, BindingKind::storage, &work_},
+                                    {6, BindingKind::texels_r32f, &item_depths_}};
   bindings_ = std::make_unique<BindingSet>(device_, all, sizeof(Parameters));
   for (const bool any_hit : {false, true}) kernels_.push_back(compile(any_hit, false));
   sent_ = rays.data();

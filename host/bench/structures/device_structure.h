@@ -13,14 +13,6 @@
 
 namespace wavepath {
 
-// A ray as the kernels read it.
-struct StructureRay {
-  glm::vec3 origin;
-  float t_max;
-  glm::vec3 direction;
-  float unused = 0.0f;
-};
-
 class DeviceStructure {
 public:
   // `spirv`: the structure's kernel. `triangles`: those that it was built over. Throws Error if the device cannot hold
@@ -39,7 +31,7 @@ public:
   std::vector<float> distances() const;
   // Inner nodes or cells visited and triangles tested, for all rays; traces them anew.
   bvh::Counters count(std::span<const StructureRay> rays, bool any_hit);
-  std::uint64_t bytes() const { return corners_.bytes() + nodes_.bytes() + items_.bytes(); }
+  std::uint64_t bytes() const { return corners_.bytes() + nodes_.bytes() + items_.bytes() + item_depths_.bytes(); }
 
 private:
   void send(std::span<const StructureRay> rays);
@@ -60,7 +52,7 @@ private:
   Parameters parameters_;
   BindingKind node_kind_;
   bool stack_in_registers_;
-  Buffer corners_, nodes_, items_, rays_, distances_, work_;
+  Buffer corners_, nodes_, items_, item_depths_, rays_, distances_, work_;
   std::unique_ptr<BindingSet> bindings_; // bindings of the latest rays
   std::deque<Kernel> kernels_;           // closest hit, any hit
   const StructureRay* sent_ = nullptr;

@@ -13,6 +13,22 @@
 
 namespace wavepath {
 
+// A ray as the kernels read it.
+struct StructureRay {
+  glm::vec3 origin;
+  float t_max;
+  glm::vec3 direction;
+  float unused = 0.0f;
+};
+
+// What structures are built from.
+struct StructureInput {
+  std::span<const bvh::Triangle> triangles;
+  bvh::Quality quality = bvh::Quality::best; // of those that the product's build has a part in
+  std::span<const StructureRay> rays{};      // rays that will be traced, for structures over them
+  glm::vec3 lamp{0.0f};                      // where all rays end, for structures about a lamp
+};
+
 struct Structure {
   glm::vec3 lo{0.0f}, size{0.0f};   // box around all triangles
   glm::uvec3 resolution{0};         // cells of a grid
@@ -20,6 +36,7 @@ struct Structure {
   std::uint32_t words_per_node = 2; // 1, 2 or 4
   std::vector<std::uint32_t> nodes; // layout: see the kernel's comment
   std::vector<std::uint32_t> items; // numbers of triangles, leaf by leaf or cell by cell
+  std::vector<float> item_depths{}; // by item, of sorted lists: how near it comes; empty for other structures
   bool items_in_place = false;      // the kernel reads the triangles themselves in this order, not their numbers
 };
 
@@ -42,5 +59,13 @@ Structure build_wide_bvh(std::span<const bvh::Triangle> triangles, bvh::Quality 
 
 // Triangles in the order of Morton codes of 21 bits an axis, cut where the codes first differ (Lauterbach et al. 2009).
 Structure build_linear_bvh(std::span<const bvh::Triangle> triangles);
+
+// Hypercubes of rays, halved where rays of `input` are and their lists are long (Arvo and Kirk 1987). It answers these
+// rays; without any it has lists of all triangles, one for each face of the cube of directions.
+Structure build_ray_classification(const StructureInput& input);
+
+// A cube of directions about the lamp, about four cells a triangle (Haines and Greenberg 1986). It answers shadow rays
+// that end at the lamp.
+Structure build_light_buffer(const StructureInput& input);
 
 } // namespace wavepath

@@ -56,17 +56,17 @@ enum OwnBuffer : std::size_t {
   kSignals,
   kJitters,
   kLayers,
-  kPositionIds,
-  kPositionSeen,
-  kPositionSignals,
+  kColorIds,
+  kColorSeen,
+  kColorSignals,
   kReflected
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
-constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForPositions = 1u << 1,
+constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
                         kCapacityForReflections = 1u << 2; // bits of BufferDimensions::options
 
-std::uint64_t positions(const BufferDimensions& e) {
-  return e.options & kCapacityForPositions ? e.pixels * gpu::kMultisamplePositions : 0;
+std::uint64_t shared_colors(const BufferDimensions& e) {
+  return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
 }
 
 // Indexed by OwnBuffer. Data of pixels are row-major from the top left.
@@ -86,15 +86,15 @@ const std::vector<BufferRule> kHybridRules = {
     {"layers",
      [](const BufferDimensions& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
-    {"triangles of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(glm::uvec2); },
-     {{gpu::kBindPositionIds, BindingKind::storage}}},
-    {"emission of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPositionSeen, BindingKind::storage}}},
-    {"signals of places",
-     [](const BufferDimensions& e) { return positions(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindPositionSignals, BindingKind::storage}}},
+    {"triangles of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(glm::uvec2); },
+     {{gpu::kBindColorIds, BindingKind::storage}}},
+    {"emission of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSeen, BindingKind::storage}}},
+    {"signals of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSignals, BindingKind::storage}}},
     {"reflections",
      [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindReflections, BindingKind::storage}}},
@@ -123,7 +123,7 @@ bool joins_frames(const RenderPlan& settings) {
 
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
-  const bool shares = kAntialiasTechniques.find(settings)->shares_shading && !joins_frames(settings);
+  const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
   const std::uint32_t mirrors = kReflectionTechniques.find(settings) ? gpu::kHybridReflections : 0;
@@ -258,9 +258,10 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
-                         .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForPositions : 0) |
-                                    (reflects() ? kCapacityForReflections : 0)});
+  moved |=
+      buffers_.fit({.pixels = workspace_.film.pixels(),
+                    .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
+                               (reflects() ? kCapacityForReflections : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -427,7 +428,7 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
   if (multisamples()) {
-    frame_.sample_position = sample % gpu::kMultisamplePositions;
+    frame_.sample_position = sample % kAntialiasTechniques.find(settings_)->positions;
     if (sample != next_sample_ || frame_.sample_position == 0) frame_.first_position = frame_.sample_position;
     next_sample_ = sample + 1;
   }

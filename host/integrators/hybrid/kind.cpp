@@ -114,9 +114,9 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
-std::uint64_t position_bytes(const RenderPlan& settings) {
-  return kAntialiasTechniques.find(settings)->shares_shading
-             ? gpu::kMultisamplePositions * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
+std::uint64_t shared_color_bytes(const RenderPlan& settings) {
+  return kAntialiasTechniques.find(settings)->positions > 0
+             ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
              : 0;
 }
 
@@ -124,7 +124,7 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
-         position_bytes(settings) + (kReflectionTechniques.find(settings) ? sizeof(gpu::vec4) : 0);
+         shared_color_bytes(settings) + (kReflectionTechniques.find(settings) ? sizeof(gpu::vec4) : 0);
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
@@ -269,7 +269,8 @@ std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
   if (kShadingModels.find(settings))
     omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
-  if (!kReflectionTechniques.find(settings)) omitted.push_back({"reflections of lit surfaces", "--reflections is none"});
+  if (!kReflectionTechniques.find(settings))
+    omitted.push_back({"reflections of lit surfaces", "--reflections is none"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }

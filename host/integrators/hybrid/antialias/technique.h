@@ -19,8 +19,8 @@ struct AntialiasKind {
   // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random position of the pixel filter.
   glm::vec2 (*position)(std::uint32_t sample, std::uint32_t total) = nullptr;
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
-  bool shares_shading = false;          // frames of kMultisamplePositions positions, see kHybridMultisample
-  bool over_time = false;               // joins frames to those before
+  std::uint32_t positions = 0; // of consecutive frames, which share shading, see kHybridMultisample; 0 = none do
+  bool over_time = false;      // joins frames to those before
   bool is_biased = true;
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
