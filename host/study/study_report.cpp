@@ -76,7 +76,8 @@ std::string reference_command(const StudyRecord& record) {
   const bool mirrors = has_mirror_truth(record.settings);
   if (!mirrors) settings.integrator = &default_integrator();
   return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{}{} --seed {} --spp {} -o {}",
-                     record.repeat, told_flags(settings, nullptr), mirrors ? " --reflections traced" : "",
+                     record.repeat, told_flags(settings, nullptr),
+                     mirrors ? frame_flags(record) + " --reflections traced" : "",
                      record.study.occlusion ? " --aov direct" : "", reference.seed, reference.spp,
                      shell_quoted(reference_file(record)));
 }

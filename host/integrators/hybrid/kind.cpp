@@ -269,8 +269,7 @@ std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
   if (kShadingModels.find(settings))
     omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
-  if (!kReflectionTechniques.find(settings))
-    omitted.push_back({"reflections of lit surfaces", "--reflections is none"});
+  if (!kReflectionTechniques.find(settings)) omitted.push_back({"mirrors of lit surfaces", "--reflections is none"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
