@@ -92,6 +92,7 @@ RenderPlan plan_of(const IntegratorKind* integrator, std::uint32_t spp, std::uin
   settings.last_sample = spp;
   settings.integrator = integrator;
   settings.patches = patches;
+  settings.patch_rays = 64;
   return settings;
 }
 
@@ -337,6 +338,20 @@ TEST_F(RadiosityTest, FindsTheLightOfLampsAndSky) {
     const Picture shown = render(corner, radiosity).picture;
     EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.01 * mean_of(truth)) << gathers;
     EXPECT_LT(difference_of(shown, truth), 0.05) << gathers;
+  }
+}
+
+TEST_F(RadiosityTest, DepthOneIsDirectLight) {
+  RenderPlan path = plan_of(&kPath, 256, 0), radiosity = plan_of(&kRadiosity, 64, 4096);
+  path.max_depth = radiosity.max_depth = 1;
+  path.filter = radiosity.filter = gpu::kFilterBox;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), path);
+  const Picture truth = render(room, path).picture;
+  for (const bool gathers : {false, true}) {
+    radiosity.gather = gathers;
+    const Picture shown = render(room, radiosity).picture;
+    EXPECT_LT(difference_of(shown, truth), 0.05) << gathers;
+    EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.02 * mean_of(truth)) << gathers;
   }
 }
 
