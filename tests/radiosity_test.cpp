@@ -276,6 +276,18 @@ TEST_F(RadiosityTest, AClosedFurnaceIsEvenlyBright) {
   }
 }
 
+// The final gather finds the light of lamps and that of other surfaces once each.
+TEST_F(RadiosityTest, AFurnaceIsAsBrightWithAFinalGather) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.6f, 1.0f));
+  scene.cameras.push_back(camera_inside());
+  RenderPlan settings = plan_of(&kRadiosity, 256, 384);
+  settings.gather = true;
+  const double expected = 1.0 / (1.0 - 0.6);
+  EXPECT_NEAR(mean_of(render(std::move(scene), settings).picture), expected, 5e-3 * expected);
+}
+
 // What lamps send is absorbed or leaves through the open side.
 TEST_F(RadiosityTest, KeepsEnergyToAThousandth) {
   for (const std::uint32_t by : {0u, kFormFactorsHemicube})
