@@ -92,6 +92,7 @@ RenderPlan plan_of(const IntegratorKind* integrator, std::uint32_t spp, std::uin
   settings.last_sample = spp;
   settings.integrator = integrator;
   settings.patches = patches;
+  settings.patch_rays = 64;
   return settings;
 }
 
@@ -275,6 +276,18 @@ TEST_F(RadiosityTest, AClosedFurnaceIsEvenlyBright) {
   }
 }
 
+// The final gather finds the light of lamps and that of other surfaces once each.
+TEST_F(RadiosityTest, AFurnaceIsAsBrightWithAFinalGather) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.6f, 1.0f));
+  scene.cameras.push_back(camera_inside());
+  RenderPlan settings = plan_of(&kRadiosity, 256, 384);
+  settings.gather = true;
+  const double expected = 1.0 / (1.0 - 0.6);
+  EXPECT_NEAR(mean_of(render(std::move(scene), settings).picture), expected, 5e-3 * expected);
+}
+
 // What lamps send is absorbed or leaves through the open side.
 TEST_F(RadiosityTest, KeepsEnergyToAThousandth) {
   for (const std::uint32_t by : {0u, kFormFactorsHemicube})
@@ -337,6 +350,20 @@ TEST_F(RadiosityTest, FindsTheLightOfLampsAndSky) {
     const Picture shown = render(corner, radiosity).picture;
     EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.01 * mean_of(truth)) << gathers;
     EXPECT_LT(difference_of(shown, truth), 0.05) << gathers;
+  }
+}
+
+TEST_F(RadiosityTest, DepthOneIsDirectLight) {
+  RenderPlan path = plan_of(&kPath, 256, 0), radiosity = plan_of(&kRadiosity, 64, 4096);
+  path.max_depth = radiosity.max_depth = 1;
+  path.filter = radiosity.filter = gpu::kFilterBox;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), path);
+  const Picture truth = render(room, path).picture;
+  for (const bool gathers : {false, true}) {
+    radiosity.gather = gathers;
+    const Picture shown = render(room, radiosity).picture;
+    EXPECT_LT(difference_of(shown, truth), 0.05) << gathers;
+    EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.02 * mean_of(truth)) << gathers;
   }
 }
 

@@ -376,7 +376,7 @@ TEST_F(StudyCommand, TellsWhatTheHybridLoses) {
     }
     first[configuration["name"]] = configuration["points"][0];
   }
-  EXPECT_EQ(first.size(), 10u); // path, bidirectional, whitted, hybrid and ao, with and without filter
+  EXPECT_EQ(first.size(), 12u); // path, bidirectional, whitted, radiosity, hybrid and ao, with and without filter
   const auto mse = [&](const char* name, const char* signal) { return first[name][signal]["mse"].get<double>(); };
   EXPECT_LT(mse("hybrid", "ao"), 2.0 * mse("ao", "ao")); // what sees nothing is no error in either
   EXPECT_LT(mse("hybrid", "direct"), 2.0 * mse("path", "direct"));

@@ -1,5 +1,5 @@
-// Patches of the radiosity mesh: from a point of a triangle to its patch, and the reflectance of a surface that is taken
-// for diffuse. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
+// Patches of the radiosity mesh: from a point of a triangle to its patch, and the reflectance of a surface that is
+// taken for diffuse. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
 #ifndef WAVEPATH_PATCHES_GLSL
 #define WAVEPATH_PATCHES_GLSL
 
@@ -61,7 +61,8 @@ Hit point_of_patch(uint index, vec2 u) {
 }
 #endif
 
-// All that the surface reflects, as if it went everywhere alike: the diffuse base and what the interface over it mirrors.
+// All that the surface reflects, as if it went everywhere alike: the diffuse base and what the interface over it
+// mirrors.
 vec3 diffuse_reflectance(Vertex v) {
   if ((v.material.flags & kMaterialUnlit) != 0u) return vec3(0.0);
   vec3 base = clamp(v.bsdf.base_color, 0.0, 1.0);

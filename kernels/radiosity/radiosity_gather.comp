@@ -28,7 +28,8 @@ vec3 sent_by(Hit hit, vec3 direction) {
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   Vertex v = make_vertex(surface, material, direction);
-  vec3 sent = diffuse_reflectance(v) * (kInvPi * interpolated_light(hit, !v.front));
+  vec3 sent = vec3(0.0);
+  if (frame.max_depth > 1u) sent = diffuse_reflectance(v) * (kInvPi * interpolated_light(hit, !v.front));
   bool sampled = light_pdf_area(surface, hit) > 0.0;
   return sampled ? sent : sent + surface_emission(surface, material, v.front);
 }

@@ -1,6 +1,6 @@
 // Adds the light that lamps without a surface and the environment send to the faces of the wave, by kPatchLightSamples
-// shadow rays from number wave.first_sample on, of wave.sample_count in all. Each goes from a point of its own on the patch; the
-// lights take turns.
+// shadow rays from number wave.first_sample on, of wave.sample_count in all. Each goes from a point of its own on the
+// patch; the lights take turns: wave.first_film_pixel of them, from number wave.bounce on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

@@ -38,9 +38,10 @@ vec3 hemicube_direction(uint pixel, uint side) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  uvec4 words = texelFetch(shot_blocks, int(gl_WorkGroupID.x));
+  if (index >= wave.pixel_count) return;
+  uvec4 words = texelFetch(shot_blocks, int(index / kBlockRays));
   ShotBlock block = ShotBlock(words.x, words.y, words.z, words.w);
-  uint ray = block.first + gl_LocalInvocationIndex, side = block.rays & ~kHemicube;
+  uint ray = block.first + index % kBlockRays, side = block.rays & ~kHemicube;
   bool by_hemicube = (block.rays & kHemicube) != 0u;
   shot_hits[index] = kNone;
   if (block.face == kNone || ray >= (by_hemicube ? 3u * side * side : side)) return;

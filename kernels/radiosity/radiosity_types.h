@@ -15,7 +15,7 @@ GPU_CONSTANT uint kBindPatchNodes = 132u;    // texels R32UI: see kPatchLeaf
 GPU_CONSTANT uint kBindPatches = 133u;       // texels RGBA32UI, kPatchTexels each: Patch
 GPU_CONSTANT uint kBindPatchSurfaces = 134u; // storage PatchSurface[]
 GPU_CONSTANT uint kBindPatchLight = 135u;    // storage vec4[], one a face: irradiance by lights that are no patches
-GPU_CONSTANT uint kBindShotBlocks = 136u;    // texels RGBA32UI: ShotBlock, one a workgroup
+GPU_CONSTANT uint kBindShotBlocks = 136u;    // texels RGBA32UI: ShotBlock[]
 GPU_CONSTANT uint kBindShotHits = 137u;      // storage uint[]: face that each ray of a shot hit; kNone if none
 GPU_CONSTANT uint kBindCornerLight = 138u;   // texels RGBA32F, three a face: irradiance at its corners
 GPU_CONSTANT uint kBindSeenPoints = 139u;    // storage SeenPoint[], one a slot
@@ -44,7 +44,8 @@ struct PatchSurface {
 };
 GPU_CHECK(sizeof(PatchSurface) == 32);
 
-// Rays of a shot that one workgroup traces. The first word of a block without rays is kNone.
+// Rays of a shot that lie side by side. The first word of a block without rays is kNone.
+GPU_CONSTANT uint kBlockRays = 16u;
 struct ShotBlock {
   uint face;
   uint first; // of its rays

@@ -48,14 +48,6 @@ std::vector<OmittedStage> omitted(const RenderPlan& settings) {
   return omitted;
 }
 
-nlohmann::ordered_json stats(const RenderPlan&, const PackedScene&, const RenderResult& result) {
-  if (!result.radiosity) return nullptr;
-  const RadiosityReport& report = *result.radiosity;
-  return {{"patches", report.patches},   {"shots", report.shots}, {"rays", report.rays},
-          {"absorbed", report.absorbed}, {"lost", report.lost},   {"remaining", report.remaining},
-          {"seconds", report.seconds},   {"kept", report.kept},   {"bytes", report.bytes}};
-}
-
 } // namespace
 
 constinit const IntegratorKind kRadiosity = {
@@ -80,7 +72,7 @@ constinit const IntegratorKind kRadiosity = {
     .is_biased = [](const RenderPlan&) { return true; },
     .bias = bias,
     .omitted = omitted,
-    .stats = stats,
+    .stats = [](const RenderPlan&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<Radiosity>(workspace, kernels);
     },

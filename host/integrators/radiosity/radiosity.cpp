@@ -1,5 +1,6 @@
 #include "host/integrators/radiosity/radiosity.h"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -74,8 +75,9 @@ void Radiosity::change(const View& view, const RenderPlan& settings, TemporalHis
   const gpu::Feature features = kernels_.features(kRadiosityProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
   moved |= reserve(workspace_.device, seen_, workspace_.slots * sizeof(gpu::SeenPoint));
-  key_ = {settings.patches,      settings.subdivision, settings.form_factors, settings.patch_rays,
-          workspace_.frame.seed, settings.sampler,     settings.cull,         settings.terminator};
+  key_ = {settings.patches,    settings.subdivision,  settings.form_factors,
+          settings.patch_rays, workspace_.frame.seed, settings.sampler,
+          settings.cull,       settings.terminator,   std::min(settings.max_depth, 2u)};
   is_solving_ = false;
   solver_.stop();
   if (solved_ != key_) solved_.reset();

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "kernels/base/gpu.h"
+#include "kernels/radiosity/radiosity_types.h"
 
 namespace wavepath {
 namespace {
@@ -15,7 +15,8 @@ constexpr double kLeastAbsorbed = 1.0 / 64.0; // of light that the ambient term 
 
 } // namespace
 
-Refinement::Refinement(std::vector<Face> faces, double rays) : faces_(std::move(faces)) {
+Refinement::Refinement(std::vector<Face> faces, double rays, bool reflects)
+    : faces_(std::move(faces)), reflects_(reflects) {
   first_power_ = unshot_power();
   power_of_ray_ = first_power_ / rays;
   most_rays_ = static_cast<std::uint64_t>(kMostWork * rays);
@@ -36,15 +37,15 @@ std::vector<Shot> Refinement::next_shots(std::uint64_t rays) {
     const double power_a = faces_[a].unshot_power(), power_b = faces_[b].unshot_power();
     return power_a != power_b ? power_a > power_b : a < b;
   };
-  const std::size_t most = std::min<std::size_t>(order.size(), rays / gpu::kWorkgroupSize + 1);
+  const std::size_t most = std::min<std::size_t>(order.size(), rays / gpu::kBlockRays + 1);
   std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(most), precedes);
   std::vector<Shot> shots;
   std::uint64_t taken = 0;
   for (std::size_t i = 0; i < most && (taken < rays || shots.empty()); ++i) {
     Face& face = faces_[order[i]];
     const double wanted = std::clamp(face.unshot_power() / power_of_ray_, 1.0, kMostRaysOfShot);
-    const auto groups = static_cast<std::uint32_t>(std::ceil(wanted / gpu::kWorkgroupSize));
-    shots.push_back({order[i], groups * gpu::kWorkgroupSize, shots_++, face.area * face.unshot});
+    const auto blocks = static_cast<std::uint32_t>(std::ceil(wanted / gpu::kBlockRays));
+    shots.push_back({order[i], blocks * gpu::kBlockRays, shots_++, face.area * face.unshot});
     taken += shots.back().rays;
     face.unshot = glm::dvec3(0.0);
   }
@@ -57,7 +58,7 @@ void Refinement::receive(std::uint32_t index, const glm::dvec3& power) {
   if (!(face.area > 0.0)) return lose(power);
   const glm::dvec3 irradiance = power / face.area;
   face.irradiance += irradiance;
-  face.unshot += face.reflectance * irradiance;
+  if (reflects_) face.unshot += face.reflectance * irradiance;
 }
 
 double Refinement::absorbed(const std::vector<glm::dvec3>& irradiance) const {

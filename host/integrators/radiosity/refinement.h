@@ -26,8 +26,8 @@ struct Shot {
 class Refinement {
 public:
   // `faces`: with the radiosity that they emit, or reflect of lamps, unshot. `rays`: how many the first of all power is
-  // worth; the same share of power is worth as many later.
-  Refinement(std::vector<Face> faces, double rays);
+  // worth; the same share of power is worth as many later. `reflects`: faces send on what they get.
+  Refinement(std::vector<Face> faces, double rays, bool reflects = true);
 
   // The faces with the most unshot power, which they lose: as many as `rays` rays are worth, but one at least. Empty
   // when kRemaining or less of the first power is unshot, or when power does not get less.
@@ -54,6 +54,7 @@ private:
   double unshot_power() const;
 
   std::vector<Face> faces_;
+  bool reflects_;
   double first_power_ = 0.0, power_of_ray_ = 0.0, lost_ = 0.0;
   std::uint32_t shots_ = 0;
   std::uint64_t rays_ = 0, most_rays_ = 0;

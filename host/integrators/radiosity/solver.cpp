@@ -68,7 +68,7 @@ void Solver::upload(const PatchTree& tree) {
   surfaces_ = Buffer(device, tree.size() * sizeof(gpu::PatchSurface));
   lamp_light_ = Buffer(device, faces * sizeof(gpu::vec4));
   corners_ = Buffer(device, faces * 3 * sizeof(gpu::vec4));
-  reserve(device, blocks_, rays / gpu::kWorkgroupSize * sizeof(gpu::ShotBlock));
+  reserve(device, blocks_, rays / gpu::kBlockRays * sizeof(gpu::ShotBlock));
   reserve(device, hits_, rays * sizeof(std::uint32_t));
 }
 
@@ -116,14 +116,14 @@ std::vector<Face> Solver::measure(const PatchMesh& mesh, const KernelSet& kernel
       const gpu::PatchSurface& surface = surfaces[i];
       Face face = {.area = mesh.areas[i] * static_cast<double>(surface.opacity),
                    .reflectance = glm::dvec3(surface.reflectance)};
-      face.unshot = face.reflectance * by_lamps_[faces.size()];
+      if (reflects()) face.unshot = face.reflectance * by_lamps_[faces.size()];
       if (side == 0 || surface.both_sides) face.unshot += glm::pi<double>() * glm::dvec3(surface.emission);
       faces.push_back(face);
     }
   return faces;
 }
 
-// Shots go to the device in blocks of a workgroup's rays, as many at once as a dispatch holds.
+// Shots go to the device in blocks of kBlockRays, as many at once as a dispatch holds.
 void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, WaveQueue& queue) {
   Refinement& refinement = *work_->refinement;
   const bool by_hemicube = settings_.form_factors == kFormFactorsHemicube;
@@ -131,23 +131,22 @@ void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, Wav
     const Shot* shot;
     std::uint32_t first, side; // side 0: rays
   };
-  static_assert(gpu::kWorkgroupSize == 64);
   std::vector<Sent> sent;
   std::vector<gpu::ShotBlock> blocks;
   std::map<std::uint32_t, std::vector<double>> weights; // of hemicubes, by side
-  const std::uint32_t most = rays_at_once(workspace_) / gpu::kWorkgroupSize;
+  const std::uint32_t most = rays_at_once(workspace_) / gpu::kBlockRays;
   const auto flush = [&] {
     if (blocks.empty()) return;
     blocks_.write(blocks.data(), blocks.size() * sizeof(gpu::ShotBlock));
-    submit(kernels[kShoot], {.pixel_count = static_cast<std::uint32_t>(blocks.size()) * gpu::kWorkgroupSize}, queue);
+    submit(kernels[kShoot], {.pixel_count = static_cast<std::uint32_t>(blocks.size()) * gpu::kBlockRays}, queue);
     queue.drain();
     std::vector<std::uint32_t> copy;
-    const std::span<const std::uint32_t> hits = look_at(hits_, blocks.size() * gpu::kWorkgroupSize, copy);
+    const std::span<const std::uint32_t> hits = look_at(hits_, blocks.size() * gpu::kBlockRays, copy);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const auto& [shot, first, side] = sent[b];
       const std::uint32_t rays = side ? 3 * side * side : shot->rays;
-      for (std::uint32_t i = 0; i < gpu::kWorkgroupSize && first + i < rays; ++i) {
-        const std::uint32_t face = hits[b * gpu::kWorkgroupSize + i];
+      for (std::uint32_t i = 0; i < gpu::kBlockRays && first + i < rays; ++i) {
+        const std::uint32_t face = hits[b * gpu::kBlockRays + i];
         const glm::dvec3 power = shot->power * (side ? weights[side][first + i] : 1.0 / rays);
         if (face == gpu::kNone)
           refinement.lose(power);
@@ -155,14 +154,14 @@ void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, Wav
           refinement.receive(face, power);
       }
     }
-    report_.rays += blocks.size() * gpu::kWorkgroupSize;
+    report_.rays += blocks.size() * gpu::kBlockRays;
     blocks.clear(), sent.clear();
   };
   for (const Shot& shot : shots) {
     const std::uint32_t side = by_hemicube ? hemicube_side(shot.rays) : 0;
     if (side && !weights.contains(side)) weights[side] = delta_form_factors(side);
     const std::uint32_t rays = side ? 3 * side * side : shot.rays;
-    for (std::uint32_t first = 0; first < rays; first += gpu::kWorkgroupSize) {
+    for (std::uint32_t first = 0; first < rays; first += gpu::kBlockRays) {
       blocks.push_back({shot.face, first, side ? side | gpu::kHemicube : rays, shot.number});
       sent.push_back({&shot, first, side});
       if (blocks.size() == most) flush();
@@ -187,7 +186,7 @@ bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) 
     upload(work_->tree);
     set_ = &bind();
     const double rays = 1.0 * settings_.patch_rays * work_->tree.size();
-    work_->refinement.emplace(measure(work_->mesh, kernels, queue), rays);
+    work_->refinement.emplace(measure(work_->mesh, kernels, queue), rays, reflects());
   } else if (const auto shots = work_->refinement->next_shots(rays_at_once(workspace_)); !shots.empty()) {
     trace(shots, kernels, queue);
   } else {

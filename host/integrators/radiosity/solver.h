@@ -60,6 +60,7 @@ private:
     bool is_coarse = false; // another one follows
   };
 
+  bool reflects() const { return settings_.max_depth > 1; }
   void upload(const PatchTree& tree);
   void submit(const Kernel& kernel, const gpu::Wave& wave, WaveQueue& queue);
   void measure_light(std::uint32_t faces, const KernelSet& kernels, WaveQueue& queue);

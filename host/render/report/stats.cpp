@@ -115,6 +115,14 @@ Json json(const Setting& row, const RenderPlan& settings) {
   return is_number ? Json::parse(text) : Json(text);
 }
 
+Json radiosity_json(const std::optional<RadiosityReport>& radiosity) {
+  if (!radiosity) return nullptr;
+  return {{"patches", radiosity->patches},   {"shots", radiosity->shots},         {"rays", radiosity->rays},
+          {"absorbed", radiosity->absorbed}, // of the light of all lamps
+          {"lost", radiosity->lost},         {"remaining", radiosity->remaining}, {"seconds", radiosity->seconds},
+          {"kept", radiosity->kept},         {"bytes", radiosity->bytes}};
+}
+
 Json merge_json(const std::optional<MergeReport>& merging) {
   if (!merging) return nullptr;
   return {{"first_radius", merging->first_radius}, // metres
@@ -303,6 +311,7 @@ Json stats_document(const Run& run) {
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
       {"merge", merge_json(result.merging)},
+      {"radiosity", radiosity_json(result.radiosity)},
       {"denoise", denoise_json(run)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},

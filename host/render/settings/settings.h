@@ -136,7 +136,7 @@ struct RenderSettings {
   std::uint32_t patches = 4096;                   // patches of the radiosity mesh
   std::uint32_t subdivision = 0;                  // how surfaces are cut into patches: index into kSubdivisionNames
   std::uint32_t form_factors = 0;      // how the light between patches is measured: index into kFormFactorNames
-  std::uint32_t patch_rays = 256;      // rays for each patch that the light of all lamps is sent by
+  std::uint32_t patch_rays = 64;       // rays for each patch that the light of all lamps is sent by
   bool gather = false;                 // every sample gathers the light of patches by rays of its own
   std::uint32_t denoise = kDenoiseOff; // noise filter of every frame or of the finished picture (denoising.h); biased
   bool mips = true;                    // mip levels in frames of one sample (mips.h); biased
