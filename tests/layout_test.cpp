@@ -344,6 +344,8 @@ TEST(Layout, Filters) {
   compare("Reprojection", sizeof(Reprojection),
           {AT(Reprojection, now), AT(Reprojection, before), AT(Reprojection, width), AT(Reprojection, height),
            AT(Reprojection, remembers), AT(Reprojection, still)});
+  compare("DefocusLens", sizeof(DefocusLens),
+          {AT(DefocusLens, focus), AT(DefocusLens, blur), AT(DefocusLens, orthographic)});
   compare("FilterBand", sizeof(FilterBand), {AT(FilterBand, first_tile), AT(FilterBand, step)});
 }
 

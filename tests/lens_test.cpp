@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
 #include "host/picture/files/picture_io.h"
@@ -179,6 +181,72 @@ TEST_F(LensTest, FocusesOnTheMiddleByItself) {
     for (std::size_t i = 0; i < found.size(); ++i) difference += std::abs(found[i] - given[i]);
     EXPECT_LT(difference, 1e-4 * sum_of(given));
     EXPECT_NE(found, red(scene, settings({.focus = 2.0}, 4), orthographic));
+  }
+}
+
+// Frames that are spread after they are done, seen at pixel centres.
+class FrameLensTest : public LensTest {
+protected:
+  static RenderPlan settings(const Lens& lens) {
+    RenderPlan asked = LensTest::settings(lens, 1, kHybrid);
+    const std::vector<std::string_view> names = kAntialiasTechniques.names();
+    asked.antialias = static_cast<std::uint32_t>(std::ranges::find(names, "none") - names.begin());
+    return asked;
+  }
+};
+
+// As CircleOfConfusion: the pixels of the disc, each spread over the circle that its depth has in closed form. It has
+// no noise, so the bounds are those of discs of pixels.
+TEST_F(FrameLensTest, PixelsSpreadOverTheirCircles) {
+  constexpr double kDisc = 2.0, kBlur = 10.0; // pixels, radii
+  for (const bool orthographic : {false, true})
+    for (const double depth : {1.2, 3.0}) {
+      SCOPED_TRACE(testing::Message() << (orthographic ? "orthographic " : "perspective ") << depth);
+      Lens lens{.orthographic = orthographic};
+      lens.aperture = kBlur / confusion(orthographic, *lens.focus, depth);
+      const Scene scene = disc_scene(depth, kDisc / pixels_of_metre(orthographic, depth));
+      const double light = sum_of(red(scene, settings({.aperture = 0.0}), orthographic));
+      const double expected = light / (kPi * kBlur * kBlur);
+      EXPECT_GT(light, 8 * kRadiance);
+      const auto image = red(scene, settings(lens), orthographic);
+      for (std::size_t i = 0; i < image.size(); ++i) {
+        const double distance = glm::length(offset_of(i));
+        if (distance > kBlur + kDisc + 0.71) {
+          ASSERT_EQ(image[i], 0.0f) << "light beyond the spot, pixel " << i;
+        }
+        if (distance < kBlur - kDisc - 0.71) {
+          ASSERT_NEAR(image[i], expected, 0.01 * expected) << "pixel " << i;
+        }
+      }
+      EXPECT_NEAR(sum_of(image), light, 1e-4 * light);
+    }
+}
+
+TEST_F(FrameLensTest, WhatIsInFocusKeepsItsBits) {
+  for (const bool orthographic : {false, true}) {
+    const Scene scene = disc_scene(2.0, 0.3);
+    EXPECT_EQ(red(scene, settings({.orthographic = orthographic, .aperture = 0.5}), orthographic),
+              red(scene, settings({.aperture = 0.0}), orthographic));
+  }
+}
+
+// A disc before a plane, the plane or neither in focus, against the lens itself: what it changes is found to a fifth.
+TEST_F(FrameLensTest, ComesNearToTheLens) {
+  Scene scene = disc_scene(1.5, 0.3);
+  Material plane = scene.materials[0];
+  plane.emission = glm::vec3(0.4f * kRadiance);
+  scene.materials.push_back(plane);
+  add_instance(scene, add_mesh(scene, {{-9, -9, -3}, {9, -9, -3}, {0, 18, -3}}, 1));
+  for (const double focus : {3.0, 1.0}) {
+    const Lens lens{.aperture = 0.25, .focus = focus};
+    const auto truth = red(scene, LensTest::settings(lens, 256), false), found = red(scene, settings(lens), false),
+               pinhole = red(scene, settings({.aperture = 0.0}), false);
+    const auto error = [&](const std::vector<float>& image) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < image.size(); ++i) sum += (image[i] - truth[i]) * (image[i] - truth[i]);
+      return std::sqrt(sum / static_cast<double>(image.size()));
+    };
+    EXPECT_LT(error(found), 0.2 * error(pinhole)) << focus;
   }
 }
 

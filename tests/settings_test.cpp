@@ -340,8 +340,8 @@ TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
   expect_refused("--branching choice",
                  "--branching: is not supported by --integrator path; use --integrator whitted, or leave it out");
   expect_refused("--ambient 1,1,1", "--ambient: is not supported by --integrator path; use --integrator hybrid");
-  expect_refused("--integrator hybrid --aperture 0.1",
-                 "--aperture: is not supported by --integrator hybrid; use --integrator path, auto, bidirectional, "
+  expect_refused("--integrator ao --aperture 0.1",
+                 "--aperture: is not supported by --integrator ao; use --integrator path, auto, bidirectional, hybrid, "
                  "whitted or radiosity");
   expect_refused("--blades 2", "is no polygon");
   expect_refused("--focus -1", "is not a number above zero");

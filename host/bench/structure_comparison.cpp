@@ -96,6 +96,7 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
   RenderPlan plain = settings;
   plain.traversal = kTraversalCompute;
   plain.kernels.removed = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
+  if (lamp) plain.kernels.removed |= gpu::kFeatureTriangleLights; // which would let rays to themselves pass
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, plain, kernels);
   const std::array<std::vector<StructureRay>, kRayKindCount> sets = {as_structure_rays<gpu::Ray>(rays.camera),

@@ -156,7 +156,8 @@ Command add_bench(CLI::App& app) {
       *command, group,
       {"--structures", "",
        "also trace the same rays in an 8-wide, a binary and a linear BVH, a kd-tree, an octree, a uniform grid and a "
-       "ray classification; shadow rays to one lamp in these and in a light buffer",
+       "ray classification, whose build takes minutes in large scenes; and shadow rays to one lamp in these and in a "
+       "light buffer",
        "off"},
       request->structures);
   add_switch(*command, group,

@@ -1,6 +1,6 @@
-// A light buffer (Haines and Greenberg 1986), for rays that end at its lamp: the list of the cell that the lamp sees the
-// ray's origin in, up to the depth of that. nodes: the lamp, three floats; where the items of each cell begin, and one
-// more. Cells go face by face (+x, -x, +y, ...), row by row.
+// A light buffer (Haines and Greenberg 1986), for rays that end at its lamp: the list of the cell in which the lamp
+// sees the ray's origin, up to the depth of that. nodes: the lamp, three floats; where the items of each cell begin,
+// and one more. Cells go face by face (+x, -x, +y, ...), row by row.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,7 +1,8 @@
 // Ray classification (Arvo and Kirk 1987): a ray is a point of five coordinates, its origin and where its direction
-// pierces a face of a cube. A binary tree over them leads to the triangles that the rays of its leaf can meet. Two words
-// a node, six roots first, by axis and sign of the direction: of an inner node where it is cut, and the coordinate with
-// the first of its two children above three bits; of a leaf its first item, and their number above three bits, all set.
+// pierces a face of a cube. A binary tree over them leads to the triangles that the rays of its leaf can meet. Two
+// words a node, six roots first, by axis and sign of the direction. Of an inner node: where it is cut, and the
+// coordinate with the first of its two children above three bits. Of a leaf: its first item, and their number above
+// three set bits.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -52,6 +52,7 @@ layout(set = 0, binding = 25, std430) buffer Gbuffer { GbufferPixel gbuffer[]; }
 layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reprojections[]; };
 layout(set = 0, binding = 29, std430) buffer GuideRecords { GuideRecord guide_records[]; };
 layout(set = 0, binding = 30, std430) buffer GuideNodes { GuideNode guide_nodes[]; };
+layout(set = 0, binding = 48, std430) buffer DefocusLenses { DefocusLens defocus_lenses[]; };
 layout(set = 0, binding = 23, std430) buffer Bands { FilterBand filter_bands[]; };
 
 layout(set = 0, binding = 29, std140) uniform BidirectionalBlock { BidirectionalFrame bidirectional; };

@@ -18,9 +18,10 @@ std::uint32_t tiles_along(std::uint32_t pixels) { return (pixels + gpu::kFilterT
 
 } // namespace
 
-FilterBands::FilterBands(const Device& device, std::uint32_t width, std::uint32_t height)
+FilterBands::FilterBands(const Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t cost)
     : tiles_(tiles_along(width) * tiles_along(height)),
-      tiles_per_band_(std::min(device.info().type == "cpu" ? kTilesOfCpu : kTilesOfGpu, device.info().max_groups)) {}
+      tiles_per_band_(
+          std::min((device.info().type == "cpu" ? kTilesOfCpu : kTilesOfGpu) / cost, device.info().max_groups)) {}
 
 void FilterBands::run(Commands& commands, const Kernel& kernel, std::uint32_t step) const {
   for (std::uint32_t first = 0; first < tiles_; first += tiles_per_band_) {

@@ -11,7 +11,8 @@ namespace wavepath {
 
 class FilterBands {
 public:
-  FilterBands(const Device& device, std::uint32_t width, std::uint32_t height);
+  // `cost`: how often a pixel takes the time of one of the other filters.
+  FilterBands(const Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t cost = 1);
 
   std::uint32_t count() const { return (tiles_ + tiles_per_band_ - 1) / tiles_per_band_; }
   // Runs a kernel, whose bindings must be bound. Ends with a barrier.

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
@@ -35,6 +36,7 @@ namespace wavepath {
 namespace {
 
 constexpr const char* kAntialiasStage = "anti-aliasing";
+constexpr const char* kDefocusStage = "depth of field";
 constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // pixels of a dispatch: some tens of milliseconds on two cores
@@ -121,6 +123,8 @@ bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
 }
 
+bool has_lens(const RenderPlan& settings) { return settings.lens.aperture > 0.0; }
+
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
@@ -175,6 +179,7 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   if (kReflectionTechniques.find(settings)) refuse("--reflections");
   if (kShadingModels.find(settings)) refuse("--shading");
   if (settings.antialias != 0) refuse("--antialias");
+  if (has_lens(settings)) refuse("--aperture");
   if (settings.denoise != kDenoiseOff) refuse("--denoise");
 }
 
@@ -199,6 +204,7 @@ struct Hybrid::Filters { // null = not wanted
   std::unique_ptr<Denoiser> denoiser;
   std::unique_ptr<Taa> taa;
   std::unique_ptr<FrameFilter> each; // by itself
+  std::unique_ptr<Defocus> defocus;
 };
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
@@ -255,7 +261,8 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   kernels_.start(need_);
   std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
   if (reflects()) path_stages |= stage_bits({kExtend});
-  const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kCapacityForSeen : 0;
+  const std::uint32_t options =
+      lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |=
@@ -358,7 +365,8 @@ bool Hybrid::filters_frames() const {
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, TemporalHistory history) {
   const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
-                              (filters_frames() ? 4u + settings_.antialias : 0u);
+                              (has_lens(settings_) ? 4u : 0u) |
+                              (filters_frames() ? 8u * (1u + settings_.antialias) : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (moved) filters_.reset();
@@ -378,6 +386,7 @@ Hybrid::Filters Hybrid::make_filters() {
   if (filters_frames())
     filters.each = std::make_unique<FrameFilter>(device, kAntialiasTechniques.find(settings_)->passes, width, height,
                                                  gbuffer, seen);
+  if (has_lens(settings_)) filters.defocus = std::make_unique<Defocus>(device, width, height, gbuffer, seen);
   if (joins_frames(settings_)) filters.taa = std::make_unique<Taa>(device, width, height, gbuffer, seen);
   return filters;
 }
@@ -400,8 +409,8 @@ double Hybrid::get_ready() {
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
          (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
-         (filters_->each ? filters_->each->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
-         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
+         (filters_->each ? filters_->each->bytes() : 0) + (filters_->defocus ? filters_->defocus->bytes() : 0) +
+         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
          (reflections_ ? reflections_->bytes() : 0);
 }
 
@@ -531,7 +540,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (Denoiser* denoiser = filters_->denoiser.get())
     queue.submit([&](Commands& commands) { denoiser->record(commands, camera_); },
                  {.timed_dispatches = denoiser->dispatches()});
-  const bool filters = filters_->taa || filters_->each;
+  const bool filters_edges = filters_->taa || filters_->each, filters = filters_edges || filters_->defocus;
   if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
@@ -540,7 +549,8 @@ void Hybrid::end_pass(WaveQueue& queue) {
     composite(queue, again | gpu::kHybridLayers | (filters ? gpu::kHybridToColor : 0));
     if (!filters) return;
   }
-  antialias(queue);
+  if (filters_->defocus) spread_spots(queue);
+  if (filters_edges) antialias(queue);
   composite(queue, again);
 }
 
@@ -557,6 +567,15 @@ void Hybrid::share_shading(WaveQueue& queue) {
     };
     queue.submit(record, {.timed_dispatches = 1});
   }
+}
+
+void Hybrid::spread_spots(WaveQueue& queue) {
+  const auto record = [this](Commands& commands) {
+    filters_->defocus->record(commands, defocus_lens(workspace_.frame));
+    commands.copy(filters_->defocus->result(), paths_.buffers[kSeen],
+                  std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+  };
+  queue.submit(record, {.stage = kDefocusStage});
 }
 
 void Hybrid::antialias(WaveQueue& queue) {

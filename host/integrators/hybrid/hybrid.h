@@ -90,7 +90,8 @@ private:
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void share_shading(WaveQueue& queue);
   void composite(WaveQueue& queue, std::uint32_t flags);
-  bool filters_frames() const; // true if each frame is filtered by itself, for smooth edges
+  bool filters_frames() const;         // true if each frame is filtered by itself, for smooth edges
+  void spread_spots(WaveQueue& queue); // of a lens
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 

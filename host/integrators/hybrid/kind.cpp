@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
@@ -29,7 +30,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 37> kHybridSettings = {"first-hit",
+constexpr std::array<std::string_view, 38> kHybridSettings = {"first-hit",
+                                                              "lens",
                                                               "hemisphere",
                                                               "direct",
                                                               "lights",
@@ -71,6 +73,9 @@ constexpr std::array<std::string_view, 9> kAoSettings = {"first-hit", "ao-sample
                                                          "ao-bias",   "ao-thinness", "antialias"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
+
+constexpr const char* kDefocusBias =
+    "depth of field spreads pixels over their spots, of what one pinhole sees (--aperture)";
 
 // Indexed by the values of --interpolation.
 constexpr std::array<std::string_view, 3> kEvaluated = {
@@ -123,7 +128,8 @@ std::uint64_t shared_color_bytes(const RenderPlan& settings) {
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) +
+         (settings.lens.aperture > 0.0 ? Defocus::bytes_per_pixel() : 0) + layer_bytes(settings) +
          shared_color_bytes(settings) + (kReflectionTechniques.find(settings) ? sizeof(gpu::vec4) : 0);
 }
 
@@ -157,6 +163,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
 // Bias of every frame, whatever it shows.
 void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
+  if (settings.lens.aperture > 0.0) bias.emplace_back(kDefocusBias);
   if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
@@ -232,12 +239,15 @@ Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& 
 }
 
 void check_frame_settings(const RenderPlan& settings) {
+  if (settings.lens.aperture > 0.0 && settings.lens.blades > 0)
+    throw UsageError("--blades", "is not known to --integrator hybrid, whose spots are discs",
+                     "leave it out, or use --integrator path");
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
-  return settings.denoise != kDenoiseOff || kOcclusionTechniques.find(settings) ||
+  return settings.denoise != kDenoiseOff || settings.lens.aperture > 0.0 || kOcclusionTechniques.find(settings) ||
          kAntialiasTechniques.find(settings)->is_biased;
 }
 

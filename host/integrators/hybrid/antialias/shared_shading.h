@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/technique.h"
 
 namespace wavepath {
