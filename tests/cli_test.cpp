@@ -259,6 +259,15 @@ TEST(Usage, CamerasThatCannotBeAreRefused) {
   refused({"--stereo", "0.065", "--projection", "equirectangular", "--size", "100x51"}, "51 pixels high");
   refused({"--stereo", "0.065", "--projection", "orthographic"}, "--stereo: would show both eyes the same");
   refused({"--projection", "fisheye", "--aperture", "0.1"}, "--aperture: blurs about a plane of focus");
+  refused({"--velocity", "0,0"}, "--velocity");
+  refused({"--velocity", "0,0,nan"}, "--velocity");
+  refused({"--velocity", "0,-1,0"}, "--velocity: '0,-1,0' is not slower than light");
+  refused({"--velocity", "0.6,0.6,0.6"}, "is not slower than light");
+  refused({"--velocity", "0,0,0.9999999"}, "is too near the speed of light");
+  refused({"--velocity", "0,0,0.5", "--projection", "orthographic"}, "--velocity: is that of an eye");
+  refused({"--velocity", "0,0,0.5", "--stereo", "0.1"}, "--velocity: does not go with --stereo");
+  refused({"--velocity", "0,0,0.5", "--aperture", "0.1"}, "--aperture: blurs about a plane of focus");
+  refused({"--velocity", "0,0,0.5", "--integrator", "hybrid"}, "--velocity: is not known to --integrator hybrid");
 }
 
 // With and without a window in the build, with and without a screen: no scene is read before the refusal.

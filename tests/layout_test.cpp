@@ -197,7 +197,9 @@ TEST(Layout, Frame) {
            AT(Frame, film_top),
            AT(Frame, film_width),
            AT(Frame, film_height),
-           AT(Frame, pad_film)});
+           AT(Frame, pad_film),
+           AT(Frame, boost_axis),
+           AT(Frame, boost_scale)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_entries)});

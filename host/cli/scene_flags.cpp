@@ -286,6 +286,20 @@ void add_projection_flags(CLI::App& app, ViewRequest& request) {
             "left. equirectangular: omni-directional stereo, the left eye's on top",
             "one eye", kAdvanced},
            [&](const FlagValue& value) { request.stereo = value.number(0.0, kMostEyeDistance); });
+  add_flag(app, group,
+           {"--velocity", "X,Y,Z",
+            "velocity of the camera along the axes of the world, in units of the speed of light: special relativity "
+            "moves what it sees towards where it goes, and changes brightness and colours. Shorter than 1. "
+            "docs/cameras_and_passes.md",
+            "0,0,0", kAdvanced},
+           [&](const FlagValue& value) {
+             const glm::dvec3 velocity = value.triple();
+             if (!(glm::length(velocity) < 1.0))
+               value.refuse("is not slower than light", "give three numbers whose vector is shorter than 1");
+             if (!(glm::length(velocity) <= kMostSpeed))
+               value.refuse("is too near the speed of light", "give a vector of a length of at most 0.999999");
+             request.velocity = velocity;
+           });
 }
 
 } // namespace

@@ -51,6 +51,14 @@ void check_camera(const ViewRequest& view, const RenderPlan& settings) {
   if (panorama && settings.lens.aperture > 0.0)
     throw UsageError("--aperture", "blurs about a plane of focus, which a panorama has not",
                      "leave it out, or use --projection perspective");
+  if (view.velocity != glm::dvec3(0.0)) {
+    if (settings.lens.aperture > 0.0)
+      throw UsageError("--aperture", "blurs about a plane of focus, which a camera with --velocity has not",
+                       "leave out one of them");
+    if (!supports(settings.integrator, "velocity"))
+      throw UsageError("--velocity", fmt::format("is not known to --integrator {}", name_of(settings.integrator)),
+                       fmt::format("use --integrator {}", supporters_text("velocity")));
+  }
   const bool stacked = view.projection == Projection::equirectangular;
   const std::uint32_t halved = stacked ? settings.height : settings.width;
   if (view.stereo != 0.0 && halved % 2 != 0)

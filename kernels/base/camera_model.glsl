@@ -1,5 +1,6 @@
 // Cameras that are more than a pinhole or parallel rays about the picture's middle (kFeatureCameraModel): lens shift,
-// clip planes, stereo pairs, equidistant fisheyes and full spheres. Rays through positions in the picture, and back.
+// clip planes, stereo pairs, equidistant fisheyes, full spheres, and motion nearly as fast as light. Rays through
+// positions in the picture, and back.
 // Included by camera.glsl.
 //
 //     plane:    perspective and orthographic, with x + camera_shift.x and y + camera_shift.y for x and y (Frame)
@@ -15,9 +16,12 @@
 
 #include "kernels/base/config.glsl"
 #include "kernels/base/math.glsl"
+#include "kernels/base/relativity.glsl"
 
 bool uses_camera_model() { return has_lobe(kFeatureCameraModel) && frame.camera_model != kCameraPlain; }
 bool is_panorama() { return frame.camera_model >= kCameraFisheye; }
+// Whether depths count from the eye, not along the view axis.
+bool measures_from_eye() { return is_panorama() || MOVES_FAST; }
 
 // ---- stereo ---------------------------------------------------------------------------------------------------------
 
@@ -49,7 +53,7 @@ float eye_aside(uint eye) {
 float mirrored(float y) { return y > 1.0 ? 2.0 - y : y < -1.0 ? -2.0 - y : y; }
 
 // `position` in pixels. False where the camera sees nothing; `direction` is of unit length then, too.
-bool model_ray(vec2 position, uint eye, out vec3 origin, out vec3 direction) {
+bool ray_at_rest(vec2 position, uint eye, out vec3 origin, out vec3 direction) {
   vec2 at = 2.0 * (position - vec2(eye_corner(eye))) / vec2(eye_size());
   float x = at.x - 1.0 + frame.camera_shift.x, y = 1.0 - at.y + frame.camera_shift.y;
   vec3 right = normalize(frame.camera_right), up = normalize(frame.camera_up);
@@ -78,8 +82,15 @@ bool model_ray(vec2 position, uint eye, out vec3 origin, out vec3 direction) {
   return true;
 }
 
+// The same of a camera that may move.
+bool model_ray(vec2 position, uint eye, out vec3 origin, out vec3 direction) {
+  bool sees = ray_at_rest(position, eye, origin, direction);
+  if (MOVES_FAST) direction = scene_direction(direction);
+  return sees;
+}
+
 // Length of a ray between two depths that are one apart.
-float depth_step(vec3 direction) { return is_panorama() ? 1.0 : 1.0 / dot(direction, frame.camera_forward); }
+float depth_step(vec3 direction) { return measures_from_eye() ? 1.0 : 1.0 / dot(direction, frame.camera_forward); }
 
 // How far a camera ray goes from the near plane on.
 float clipped_length(vec3 direction) {
@@ -91,9 +102,9 @@ vec3 clipped_origin(vec3 origin, vec3 direction) {
   return origin + direction * (frame.clip_near * depth_step(direction));
 }
 
-// What the depth of a point is that is seen by a ray from `origin`: along the view axis, in a panorama from the eye.
+// What the depth of a point is that is seen by a ray from `origin`: along the view axis or from the eye.
 float model_depth(vec3 point, vec3 origin) {
-  if (is_panorama()) return length(point - origin) + frame.clip_near;
+  if (measures_from_eye()) return length(point - origin) + frame.clip_near;
   return dot(point - frame.camera_position, frame.camera_forward);
 }
 
@@ -138,13 +149,13 @@ bool project_panorama(vec3 point, uint eye, out vec2 position, out vec3 origin) 
 
 // Whether the clip planes leave a point that is seen from `origin`.
 bool is_within_clip(vec3 point, vec3 origin) {
-  float depth = is_panorama() ? length(point - origin) : dot(point - frame.camera_position, frame.camera_forward);
+  float depth = measures_from_eye() ? length(point - origin) : dot(point - frame.camera_position, frame.camera_forward);
   return depth > frame.clip_near && depth < frame.clip_far;
 }
 
 // `offset` from the beginning of the ray becomes that from the eye.
 vec3 unclipped(vec3 offset) {
-  float depth = is_panorama() ? length(offset) : dot(offset, frame.camera_forward);
+  float depth = measures_from_eye() ? length(offset) : dot(offset, frame.camera_forward);
   return offset * (1.0 + frame.clip_near / depth);
 }
 

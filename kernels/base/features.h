@@ -95,6 +95,8 @@ GPU_CONSTANT Feature kFeatureLightProfiles = GPU_LOBE(22);
 // A volume of voxels (kernels/volume); kernels with this bit have more bindings.
 GPU_CONSTANT Feature kFeatureVoxels = GPU_LOBE(23);
 GPU_CONSTANT Feature kFeatureFire = GPU_LOBE(24); // whose hot parts shine; set besides kFeatureVoxels
+// The camera moves nearly as fast as light (relativity.glsl); set besides kFeatureCameraModel.
+GPU_CONSTANT Feature kFeatureRelativity = GPU_LOBE(25);
 // Paths tell what of a pixel is transparent or in shadow (cover_types.h); kernels with this bit have more bindings.
 GPU_CONSTANT Feature kFeatureCover = GPU_LOBE(18);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // lobes that only the LAYERED builds of kernels have

@@ -87,8 +87,10 @@ struct Frame {
   uint film_width;
   uint film_height;
   uint pad_film;
+  vec3 boost_axis;   // unit direction in which the camera moves through the scene (kFeatureRelativity)
+  float boost_scale; // sqrt((1 - v) / (1 + v)) of its speed v in units of that of light; 0 = at rest
 };
-GPU_CHECK(sizeof(Frame) == 256);
+GPU_CHECK(sizeof(Frame) == 272);
 
 GPU_CONSTANT uint kCameraPlain = 0u, kCameraPlane = 1u, kCameraFisheye = 2u, kCameraSphere = 3u;
 GPU_CONSTANT uint kEyesOne = 0u, kEyesBeside = 1u, kEyesStacked = 2u; // the left eye on the left, or on top

@@ -56,6 +56,7 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
   float weight = 1.0 / (1.0 + nearer(weights, camera_pdf / bidirectional.light_paths, forward, connects));
   c.contribution = light * value * (camera_pdf * filter_weight * weight);
   if (has(kFeatureVolume)) c.contribution *= medium_transmittance(body_at_eye(), length(v.surface.position - origin));
+  if (MOVES_FAST) c.contribution = doppler_shifted(c.contribution, doppler_factor(to_point));
   if (is_finite(c.contribution) && !(max_component(c.contribution) > 0.0)) return false;
 
   c.origin = origin;

@@ -9,7 +9,7 @@
 // Where a point appears in the picture of an eye, in pixels from the top left corner, and the ray that shows it:
 // `to_point` of unit length. `lens`: the point of the aperture that the ray passes, from its middle. False if it is
 // behind the camera.
-bool project(vec3 point, vec3 lens, uint eye, out vec2 position, out vec3 origin, out vec3 to_point) {
+bool project_at_rest(vec3 point, vec3 lens, uint eye, out vec2 position, out vec3 origin, out vec3 to_point) {
   if (uses_camera_model() && is_panorama()) {
     bool sees = project_panorama(point, eye, position, origin);
     to_point = safe_normalize(point - origin, frame.camera_forward);
@@ -52,6 +52,17 @@ bool project(vec3 point, vec3 lens, uint eye, out vec2 position, out vec3 origin
   }
   position = 0.5 * vec2(float(frame.width) * (1.0 + across.x), float(frame.height) * (1.0 - across.y));
   return depth > 0.0;
+}
+
+// The same of a camera that may move: it sees the point elsewhere, by a ray that comes from where it is.
+bool project(vec3 point, vec3 lens, uint eye, out vec2 position, out vec3 origin, out vec3 to_point) {
+  if (!MOVES_FAST) return project_at_rest(point, lens, eye, position, origin, to_point);
+  vec3 offset = point - frame.camera_position, towards = safe_normalize(offset, frame.camera_forward);
+  vec3 seen = frame.camera_position + length(offset) * seen_direction(towards);
+  bool sees = project_at_rest(seen, lens, eye, position, origin, to_point);
+  to_point = towards;
+  origin = clipped_origin(frame.camera_position, to_point);
+  return sees;
 }
 
 // Density of the filter along one axis for the pixels before, at and after `cell`; none beyond the borders, unless

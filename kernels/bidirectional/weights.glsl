@@ -48,6 +48,12 @@ float nearer(PathWeights w, float density, float reverse, bool connects) {
 float camera_pdf_area(vec3 offset, float cosine) {
   if (uses_camera_model()) {
     offset = unclipped(offset);
+    if (MOVES_FAST) { // the camera sees it elsewhere, in a solid angle of 1/D^2
+      vec3 towards = normalize(offset);
+      float doppler = doppler_factor(towards);
+      cosine /= doppler * doppler;
+      offset = length(offset) * seen_direction(towards);
+    }
     if (is_panorama())
       return cosine / (dot(offset, offset) * panorama_stretch(offset) * bidirectional.pixel_area);
   }

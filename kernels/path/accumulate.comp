@@ -20,7 +20,7 @@
 #include "kernels/path/light_groups.glsl"
 #include "kernels/path/cover.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/path/reuse_gather.glsl"
+#include "kernels/path/seen_radiance.glsl"
 #include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -47,7 +47,7 @@ vec3 clamped(vec3 radiance, float scale, inout FilmPixel pixel) {
 void add_groups(inout FilmPixel pixel, uint slot, float scale) {
   vec3 radiance = vec3(0.0);
   for (uint group = 0u; group < group_count(); ++group) {
-    vec3 light = scale * group_light(group, slot);
+    vec3 light = scale * as_seen(group_light(group, slot), slot);
     add_light(pixel, light);
     radiance += light;
   }
@@ -60,7 +60,7 @@ void accumulate_replicate(WavePart part, uint first_slot, uint offset, uint firs
   FilmPixel pixel = fetch_film_pixel(offset);
   for (uint s = first; s < part.samples; s += step_) {
     uint slot = first_slot + s * part.entries;
-    vec3 radiance = gathered_radiance(slot);
+    vec3 radiance = seen_radiance(slot);
     if (!is_finite(radiance)) continue;
     float scale = dimming(radiance);
     if (kClamp != 0u) radiance = clamped(radiance, scale, pixel);
@@ -79,8 +79,8 @@ void accumulate_groups(WavePart part, uint first_slot, uint film_index) {
     FilmPixel sums = film_groups[film_index * groups + group];
     for (uint s = 0u; s < part.samples; ++s) {
       uint slot = first_slot + s * part.entries;
-      vec3 radiance = gathered_radiance(slot);
-      if (is_finite(radiance)) add_sample(sums, dimming(radiance) * group_light(group, slot));
+      vec3 radiance = seen_radiance(slot);
+      if (is_finite(radiance)) add_sample(sums, dimming(radiance) * as_seen(group_light(group, slot), slot));
     }
     film_groups[film_index * groups + group] = sums;
   }
@@ -103,13 +103,20 @@ void main() {
   if (COVERS)
     for (uint s = 0u; s < part.samples; ++s) {
       uint slot = first_slot + s * part.entries;
-      if (is_finite(gathered_radiance(slot))) accumulate_cover(film_index, path_cover[slot]);
+      if (!is_finite(seen_radiance(slot))) continue;
+      PathCover cover = path_cover[slot];
+      cover.environment = as_seen(cover.environment, slot);
+      accumulate_cover(film_index, cover);
     }
   if (!has(kFeatureAovs)) return;
   FilmAovs mean = film_aovs[film_index];
   for (uint s = 0u; s < part.samples; ++s) {
     uint slot = first_slot + s * part.entries;
-    if (is_finite(gathered_radiance(slot))) add_aovs(mean, fetch_path_aovs(slot));
+    if (!is_finite(seen_radiance(slot))) continue;
+    PathAovs path = fetch_path_aovs(slot);
+    path.emission = as_seen(path.emission, slot);
+    path.direct = as_seen(path.direct, slot);
+    add_aovs(mean, path);
   }
   film_aovs[film_index] = mean;
 }

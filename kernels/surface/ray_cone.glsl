@@ -24,7 +24,7 @@ void open_cone(Hit hit, vec3 offset) {
   vec4 uv1 = surface_uv(hit.triangle, vec3(0.0, 1.0, 0.0)) - uv0,
        uv2 = surface_uv(hit.triangle, vec3(0.0, 0.0, 1.0)) - uv0;
   vec2 uv_area = abs(uv1.xz * uv2.yw - uv1.yw * uv2.xz);
-  float depth = uses_camera_model() && is_panorama() ? length(offset) : dot(offset, frame.camera_forward);
+  float depth = uses_camera_model() && measures_from_eye() ? length(offset) : dot(offset, frame.camera_forward);
   float side = frame.pixel_spread * (is_orthographic() ? 1.0 : depth);
   float seen_area = abs(dot(cross(side1, side2), normalize(offset))); // twice the triangle's area, as uv_area is
   footprint = seen_area > 0.0 ? side * side * (uv_area / seen_area) : vec2(0.0);

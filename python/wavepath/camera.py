@@ -16,8 +16,8 @@ class Camera:
 
     ``eye``, ``look_at``: points in metres. ``up``: a direction. ``yfov``: vertical field of view in degrees. ``name``:
     a camera of the file, by name or index. What is left out comes from the scene's first camera. Further flags of a
-    camera are keywords too: ``projection``, ``fov``, ``shift``, ``intrinsics``, ``clip``, ``stereo``, ``aperture``,
-    ``focus``, ``blades``.
+    camera are keywords too: ``projection``, ``fov``, ``shift``, ``intrinsics``, ``clip``, ``stereo``, ``velocity``,
+    ``aperture``, ``focus``, ``blades``.
 
     >>> Camera(eye=(0, 1, 3), look_at=(0, 1, 0), yfov=40)
     Camera(eye=(0, 1, 3), look_at=(0, 1, 0), yfov=40)

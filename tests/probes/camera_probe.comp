@@ -32,7 +32,8 @@ void main() {
   Seen s = all[i];
   vec3 origin, direction;
   s.sees = model_ray(s.position, s.eye, origin, direction) ? 1u : 0u;
-  s.stretch = is_panorama() ? panorama_stretch(3.0 * direction) : 0.0;
+  vec3 seen = MOVES_FAST ? seen_direction(direction) : direction;
+  s.stretch = is_panorama() ? panorama_stretch(3.0 * seen) : 0.0;
   s.again = vec2(-1.0);
   s.origin = clipped_origin(origin, direction);
   vec3 found, towards;

@@ -16,8 +16,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "lights",       "techniques", "lens",
-                                                       "denoise",    "light-groups", "transparent"};
+constexpr std::array<std::string_view, 8> kSettings = {"hemisphere", "lights",       "techniques",  "lens",
+                                                       "denoise",    "light-groups", "transparent", "velocity"};
 constexpr std::array<std::string_view, 1> kAovs = {"environment"};
 constexpr std::array<std::string_view, 1> kNotByAuto = {"techniques"};
 // Light splatted from a light path is not told apart by its bounces.

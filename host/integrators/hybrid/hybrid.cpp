@@ -170,6 +170,9 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
     throw UsageError(flag, "is not for cameras with --projection, --shift, --intrinsics, --clip or --stereo",
                      "leave it out, or use --integrator path");
   };
+  if (view.velocity != glm::dvec3(0.0))
+    throw UsageError("--velocity", fmt::format("is not known to --integrator {}", settings.integrator->name),
+                     "use --integrator path");
   if (settings.first_hit == kFirstHitRaster && !is_rasterizable(view))
     throw UsageError("--first-hit raster", "cannot draw a fisheye, a sphere or a stereo pair",
                      "leave it out: their first hits are traced");

@@ -20,9 +20,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 15> kSettings = {
-    "hemisphere", "direct",  "lights",     "path sampling", "adaptive",     "guide", "lens",       "denoise",
-    "pixel",      "shutter", "terminator", "aov-through",   "light-groups", "clamp", "transparent"};
+constexpr std::array<std::string_view, 16> kSettings = {
+    "hemisphere", "direct",  "lights",     "path sampling", "adaptive",     "guide", "lens",        "denoise",
+    "pixel",      "shutter", "terminator", "aov-through",   "light-groups", "clamp", "transparent", "velocity"};
 // It tries guiding, replays no path, and compares integrators that find all light.
 constexpr std::array<std::string_view, 3> kNotByAuto = {"guide", "pixel", "clamp"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};

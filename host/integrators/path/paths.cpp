@@ -151,7 +151,8 @@ std::vector<Binding> path_layout() {
 
 gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderPlan& settings) {
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) |
-         (has_camera_model(view) ? gpu::kFeatureCameraModel : 0) | features_of(settings);
+         (has_camera_model(view) ? gpu::kFeatureCameraModel : 0) |
+         (view.velocity != glm::dvec3(0.0) ? gpu::kFeatureRelativity : 0) | features_of(settings);
 }
 
 gpu::Feature film_features(const RenderPlan& settings) {

@@ -12,8 +12,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSettings = {"adaptive", "ambient", "branching", "cutoff",
-                                                       "denoise",  "lens",    "terminator"};
+constexpr std::array<std::string_view, 8> kSettings = {"adaptive", "ambient", "branching",  "cutoff",
+                                                       "denoise",  "lens",    "terminator", "velocity"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderPlan& settings) {

@@ -304,8 +304,7 @@ void add_standard_attributes(Imf::Header& header, const PictureInfo& info) {
   if (info.view) {
     header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
     // No matrix bends, and none serves two eyes.
-    if (info.view->panorama == Panorama::none && info.view->eye_distance == 0.0)
-      header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
+    if (is_rasterizable(*info.view)) header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
   }
   if (info.world_to_camera) header.insert("worldToCamera", Imf::M44fAttribute(to_matrix(*info.world_to_camera)));
   if (info.world_to_ndc) header.insert("worldToNDC", Imf::M44fAttribute(to_matrix(*info.world_to_ndc)));

@@ -28,6 +28,7 @@ Json camera_json(const View& view, std::uint32_t width, std::uint32_t height) {
           {"shift", {0.5 * view.shift.x, 0.5 * view.shift.y}},
           {"clip", {view.clip.near, std::isfinite(view.clip.far) ? Json(view.clip.far) : Json()}},
           {"stereo", view.eye_distance},
+          {"velocity", list_of(view.velocity)},
           {"fov", angles ? Json{glm::degrees(angles->x), glm::degrees(angles->y)} : Json()},
           {"intrinsics", k ? Json{k->fx, k->fy, k->cx, k->cy} : Json()}};
 }

@@ -19,6 +19,7 @@ std::string camera_text(const View& view) {
   if (has_camera_model(view))
     camera += fmt::format("/{}/{:a},{:a}/{:a}/{:a},{:a}/{:a}", static_cast<int>(view.panorama), view.shift.x,
                           view.shift.y, view.angle_limit, view.clip.near, view.clip.far, view.eye_distance);
+  if (view.velocity != glm::dvec3(0.0)) camera += "/" + text(view.velocity);
   return camera;
 }
 

@@ -29,10 +29,10 @@ std::uint32_t lens_of(const RenderPlan& settings) {
 gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kFeatureAovsThrough | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
-         (scene &
-          (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures |
-           gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps | gpu::kFeatureLightProfiles |
-           gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels | gpu::kFeatureFire));
+         (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls | gpu::kFeatureCameraModel | gpu::kFeatureSoftLamps |
+                   gpu::kFeatureLightProfiles | gpu::kFeatureLightGroups | gpu::kFeatureCover | gpu::kFeatureVoxels |
+                   gpu::kFeatureFire | gpu::kFeatureRelativity));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderPlan& settings) {

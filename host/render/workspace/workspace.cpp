@@ -181,6 +181,10 @@ void set_camera(const View& view, const glm::dvec3& origin, gpu::Frame& frame) {
   frame.clip_near = static_cast<float>(view.clip.near);
   frame.clip_far = view.clip.far < double{gpu::kFar} ? static_cast<float>(view.clip.far) : gpu::kFar;
   frame.angle_limit = static_cast<float>(view.angle_limit);
+  if (const double speed = glm::length(view.velocity); speed > 0.0) {
+    frame.boost_axis = glm::vec3(view.velocity / speed);
+    frame.boost_scale = static_cast<float>(std::sqrt((1.0 - speed) / (1.0 + speed)));
+  }
   if (view.eye_distance == 0.0) return;
   frame.eyes = stacks_eyes(view.panorama) ? gpu::kEyesStacked : gpu::kEyesBeside;
   frame.eye_offset = static_cast<float>(0.5 * view.eye_distance);
@@ -188,7 +192,8 @@ void set_camera(const View& view, const glm::dvec3& origin, gpu::Frame& frame) {
 
 gpu::Feature camera_features(const gpu::Frame& frame) {
   return (frame.orthographic ? gpu::kFeatureOrthographic : 0) |
-         (frame.camera_model != gpu::kCameraPlain ? gpu::kFeatureCameraModel : 0);
+         (frame.camera_model != gpu::kCameraPlain ? gpu::kFeatureCameraModel : 0) |
+         (frame.boost_scale > 0.0f ? gpu::kFeatureRelativity : 0);
 }
 
 std::vector<Binding> workspace_layout() {

@@ -116,6 +116,14 @@ glm::dvec2 half_extents(const ViewRequest& request, Projection projection, const
   return {half_height * aspect, half_height};
 }
 
+// A direction for an eye that moves with this velocity; with the opposite one the way back. Moeller, "The Theory of
+// Relativity", section 2.8, for light that arrives.
+glm::dvec3 aberrated(const glm::dvec3& direction, const glm::dvec3& velocity) {
+  const glm::dvec3 n = glm::normalize(direction);
+  const double gamma = 1.0 / std::sqrt(1.0 - glm::dot(velocity, velocity)), along = glm::dot(velocity, n);
+  return glm::normalize(n + velocity * (gamma + gamma * gamma / (gamma + 1.0) * along));
+}
+
 void check_angle(const std::optional<double>& yfov) {
   if (yfov && !(*yfov > 0.0 && *yfov < std::numbers::pi))
     throw UsageError("--yfov", "must lie between 0 and 180 degrees", "give for example 45");
@@ -162,18 +170,7 @@ double shown_half_height(const Pose& pose, double aspect) {
   return needed > (1.0 + kSameShape) * pose.half_height ? needed : pose.half_height;
 }
 
-} // namespace
-
-bool has_camera_model(const View& view) {
-  return view.panorama != Panorama::none || view.shift != glm::dvec2(0.0) || view.clip != Clip{} ||
-         view.eye_distance != 0.0;
-}
-
-bool is_rasterizable(const View& view) { return view.panorama == Panorama::none && view.eye_distance == 0.0; }
-
-bool stacks_eyes(Panorama panorama) { return panorama == Panorama::sphere; }
-
-bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction) {
+bool ray_at_rest(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction) {
   const glm::dvec2 at = position + view.shift;
   origin = view.position;
   const glm::dvec3 aside = at.x * view.right + at.y * view.up;
@@ -195,21 +192,7 @@ bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origi
   return true;
 }
 
-std::optional<Intrinsics> intrinsics_of(const View& view, std::uint32_t width, std::uint32_t height) {
-  if (view.panorama == Panorama::sphere) return std::nullopt;
-  const glm::dvec2 size(eye_size(view.eye_distance != 0.0, false, width, height));
-  return Intrinsics{0.5 * size.x / glm::length(view.right), 0.5 * size.y / glm::length(view.up),
-                    0.5 * size.x * (1.0 - view.shift.x), 0.5 * size.y * (1.0 + view.shift.y)};
-}
-
-std::optional<glm::dvec2> angles_of(const View& view) {
-  const glm::dvec2 half(glm::length(view.right), glm::length(view.up));
-  if (view.orthographic) return std::nullopt;
-  if (view.panorama != Panorama::none) return glm::min(2.0 * half, glm::dvec2(2.0 * view.angle_limit));
-  return glm::atan(half * (1.0 + view.shift)) + glm::atan(half * (1.0 - view.shift));
-}
-
-bool project(const View& view, const glm::dvec4& point, int eye, glm::dvec2& position) {
+bool project_at_rest(const View& view, const glm::dvec4& point, int eye, glm::dvec2& position) {
   const double half_width = glm::length(view.right), half_height = glm::length(view.up);
   const glm::dvec3 right = view.right / half_width, up = view.up / half_height;
   const double aside = 0.5 * view.eye_distance * eye;
@@ -236,6 +219,46 @@ bool project(const View& view, const glm::dvec4& point, int eye, glm::dvec2& pos
     return ahead > 0.0 && std::hypot(across, above) < 1e-9 * ahead;
   position = glm::dvec2(across, above) / half / (view.orthographic ? 1.0 : ahead) - view.shift;
   return ahead > 0.0;
+}
+
+} // namespace
+
+bool has_camera_model(const View& view) {
+  return view.panorama != Panorama::none || view.shift != glm::dvec2(0.0) || view.clip != Clip{} ||
+         view.eye_distance != 0.0 || view.velocity != glm::dvec3(0.0);
+}
+
+bool is_rasterizable(const View& view) {
+  return view.panorama == Panorama::none && view.eye_distance == 0.0 && view.velocity == glm::dvec3(0.0);
+}
+
+bool stacks_eyes(Panorama panorama) { return panorama == Panorama::sphere; }
+
+bool ray_through(const View& view, const glm::dvec2& position, glm::dvec3& origin, glm::dvec3& direction) {
+  const bool sees = ray_at_rest(view, position, origin, direction);
+  if (view.velocity != glm::dvec3(0.0)) direction = aberrated(direction, -view.velocity);
+  return sees;
+}
+
+std::optional<Intrinsics> intrinsics_of(const View& view, std::uint32_t width, std::uint32_t height) {
+  if (view.panorama == Panorama::sphere) return std::nullopt;
+  const glm::dvec2 size(eye_size(view.eye_distance != 0.0, false, width, height));
+  return Intrinsics{0.5 * size.x / glm::length(view.right), 0.5 * size.y / glm::length(view.up),
+                    0.5 * size.x * (1.0 - view.shift.x), 0.5 * size.y * (1.0 + view.shift.y)};
+}
+
+std::optional<glm::dvec2> angles_of(const View& view) {
+  const glm::dvec2 half(glm::length(view.right), glm::length(view.up));
+  if (view.orthographic) return std::nullopt;
+  if (view.panorama != Panorama::none) return glm::min(2.0 * half, glm::dvec2(2.0 * view.angle_limit));
+  return glm::atan(half * (1.0 + view.shift)) + glm::atan(half * (1.0 - view.shift));
+}
+
+bool project(const View& view, const glm::dvec4& point, int eye, glm::dvec2& position) {
+  const glm::dvec3 offset = glm::dvec3(point) - point.w * view.position;
+  if (view.velocity == glm::dvec3(0.0) || offset == glm::dvec3(0.0)) return project_at_rest(view, point, eye, position);
+  const glm::dvec3 seen = glm::length(offset) * aberrated(offset, view.velocity);
+  return project_at_rest(view, glm::dvec4(point.w * view.position + seen, point.w), eye, position);
 }
 
 bool is_framed(const Scene& scene, const ViewRequest& request) {
@@ -265,6 +288,7 @@ void check_view(const ViewRequest& request) {
     throw UsageError(request.shift ? "--shift" : "--intrinsics",
                      "has no meaning where the picture shows all directions",
                      "leave it out, or turn the camera by --look-at");
+  if (request.stereo != 0.0 && request.velocity != glm::dvec3(0.0)) refuse_beside("--velocity", "--stereo");
   if (request.stereo != 0.0 && projection == Projection::orthographic)
     throw UsageError("--stereo", "would show both eyes the same by parallel rays", "use another --projection");
 }
@@ -308,7 +332,11 @@ View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest&
     throw UsageError("--clip file", "has no camera to take the planes from", "write --clip NEAR,FAR");
   check_only(request.ymag.has_value(), "--ymag", projection == Projection::orthographic, "orthographic");
   check_only(request.stereo != 0.0, "--stereo", projection != Projection::orthographic, "perspective");
+  if (request.velocity != glm::dvec3(0.0) && projection == Projection::orthographic)
+    throw UsageError("--velocity", "is that of an eye, which parallel rays have not",
+                     "use --projection perspective, fisheye or equirectangular");
   View view;
+  view.velocity = request.velocity;
   view.orthographic = projection == Projection::orthographic;
   if (projection == Projection::fisheye) view.panorama = Panorama::fisheye;
   if (projection == Projection::equirectangular) view.panorama = Panorama::sphere;

@@ -43,6 +43,7 @@ std::string camera_flags(const ViewRequest& request) {
   if (request.clips_as_file) add("--clip", "file");
   if (request.clip) add("--clip", fmt::format("{},{}", request.clip->near, request.clip->far));
   if (request.stereo != 0.0) add("--stereo", fmt::format("{}", request.stereo));
+  if (request.velocity != glm::dvec3(0.0)) add("--velocity", triple(request.velocity));
   return flags;
 }
 
