@@ -10,15 +10,15 @@ namespace wavepath::gpu {
 
 // Texels R32UI: first a word for every instance (one in a scene without), which added to the index of a triangle gives
 // the place of its root; then the roots, which are nodes.
-GPU_CONSTANT uint kBindPatchRoots = 131u;
-GPU_CONSTANT uint kBindPatchNodes = 132u;    // texels R32UI: see kPatchLeaf
-GPU_CONSTANT uint kBindPatches = 133u;       // texels RGBA32UI, kPatchTexels each: Patch
-GPU_CONSTANT uint kBindPatchSurfaces = 134u; // storage PatchSurface[]
-GPU_CONSTANT uint kBindPatchLight = 135u;    // storage vec4[], one a face: irradiance by lights that are no patches
-GPU_CONSTANT uint kBindShotBlocks = 136u;    // texels RGBA32UI: ShotBlock[]
-GPU_CONSTANT uint kBindShotHits = 137u;      // storage uint[]: face that each ray of a shot hit; kNone if none
-GPU_CONSTANT uint kBindCornerLight = 138u;   // texels RGBA32F, three a face: irradiance at its corners
-GPU_CONSTANT uint kBindSeenPoints = 139u;    // storage SeenPoint[], one a slot
+GPU_CONSTANT uint kBindPatchRoots = 138u;
+GPU_CONSTANT uint kBindPatchNodes = 139u;    // texels R32UI: see kPatchLeaf
+GPU_CONSTANT uint kBindPatches = 140u;       // texels RGBA32UI, kPatchTexels each: Patch
+GPU_CONSTANT uint kBindPatchSurfaces = 141u; // storage PatchSurface[]
+GPU_CONSTANT uint kBindPatchLight = 142u;    // storage vec4[], one a face: irradiance by lights that are no patches
+GPU_CONSTANT uint kBindShotBlocks = 143u;    // texels RGBA32UI: ShotBlock[]
+GPU_CONSTANT uint kBindShotHits = 144u;      // storage uint[]: face that each ray of a shot hit; kNone if none
+GPU_CONSTANT uint kBindCornerLight = 145u;   // texels RGBA32F, three a face: irradiance at its corners
+GPU_CONSTANT uint kBindSeenPoints = 146u;    // storage SeenPoint[], one a slot
 
 // A node of the tree that a triangle is cut by: either kPatchLeaf | patch, or the first of four nodes. Of these, child
 // k < 3 keeps corner k, and the last is the triangle of the middles of the sides, each in the place of the corner
