@@ -43,9 +43,9 @@ GPU_CHECK(kFilterTile* kFilterTile == kWorkgroupSize);
 
 // A thin lens in the place of the pinhole that a frame is seen through, for the filter of depth of field.
 struct DefocusLens {
-  float focus;        // distance of the sharp plane along the view axis, metres
-  float blur;         // radius of the spot of a point at infinity, in pixels
-  uint orthographic;  // 1: rays are parallel
+  float focus;       // distance of the sharp plane along the view axis, metres
+  float blur;        // radius of the spot of a point at infinity, in pixels
+  uint orthographic; // 1: rays are parallel
   float pad0;
 };
 GPU_CHECK(sizeof(DefocusLens) == 16);
@@ -73,10 +73,10 @@ GPU_CONSTANT uint kFilterSlopeTexels = 15u;   // texels RG32UI: the same memory,
 // Bindings of filters of edges, see kernels/hybrid/antialias.
 GPU_CONSTANT uint kFilterEdges = 16u; // storage uint[]
 // Bindings of the filter of depth of field, see kernels/hybrid/defocus.glsl.
-GPU_CONSTANT uint kFilterLens = 17u;       // uniform DefocusLens
-GPU_CONSTANT uint kFilterSpots = 18u;      // storage vec4[]
-GPU_CONSTANT uint kFilterSpotTexels = 19u; // texels RGBA32F: the same memory, for reading
-GPU_CONSTANT uint kFilterTileSpots = 20u;  // storage float[], by tile: the largest radius in it
+GPU_CONSTANT uint kFilterLens = 17u;           // uniform DefocusLens
+GPU_CONSTANT uint kFilterSpots = 18u;          // storage vec4[]
+GPU_CONSTANT uint kFilterSpotTexels = 19u;     // texels RGBA32F: the same memory, for reading
+GPU_CONSTANT uint kFilterTileSpots = 20u;      // storage float[], by tile: the largest radius in it
 GPU_CONSTANT uint kFilterTileSpotTexels = 21u; // texels R32F: the same memory, for reading
 
 #ifdef __cplusplus
