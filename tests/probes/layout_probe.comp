@@ -38,10 +38,10 @@ layout(set = 0, binding = 9, std430) buffer ShadowRays { ShadowRay shadow_rays[]
 layout(set = 0, binding = 10, std430) buffer QueueBlocks { Queues queues[]; };
 layout(set = 0, binding = 28, std430) buffer WhittedNodes { WhittedNode whitted_nodes[]; };
 layout(set = 0, binding = 27, std430) buffer WhittedFrames { WhittedFrame whitted_frames[]; };
-layout(set = 0, binding = 46, std430) buffer PatchBlocks { Patch patches[]; };
-layout(set = 0, binding = 47, std430) buffer PatchSurfaces { PatchSurface patch_surfaces[]; };
-layout(set = 0, binding = 48, std430) buffer ShotBlocks { ShotBlock shot_blocks[]; };
-layout(set = 0, binding = 49, std430) buffer SeenPoints { SeenPoint seen_points[]; };
+layout(set = 0, binding = 50, std430) buffer PatchBlocks { Patch patches[]; };
+layout(set = 0, binding = 51, std430) buffer PatchSurfaces { PatchSurface patch_surfaces[]; };
+layout(set = 0, binding = 52, std430) buffer ShotBlocks { ShotBlock shot_blocks[]; };
+layout(set = 0, binding = 53, std430) buffer SeenPoints { SeenPoint seen_points[]; };
 layout(set = 0, binding = 26, std430) buffer CounterBlocks { Counters counters[]; };
 layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
 layout(set = 0, binding = 21, std430) buffer Sums { ExactSum sums[]; };
@@ -52,7 +52,7 @@ layout(set = 0, binding = 25, std430) buffer Gbuffer { GbufferPixel gbuffer[]; }
 layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reprojections[]; };
 layout(set = 0, binding = 29, std430) buffer GuideRecords { GuideRecord guide_records[]; };
 layout(set = 0, binding = 30, std430) buffer GuideNodes { GuideNode guide_nodes[]; };
-layout(set = 0, binding = 48, std430) buffer DefocusLenses { DefocusLens defocus_lenses[]; };
+layout(set = 0, binding = 54, std430) buffer DefocusLenses { DefocusLens defocus_lenses[]; };
 layout(set = 0, binding = 23, std430) buffer Bands { FilterBand filter_bands[]; };
 
 layout(set = 0, binding = 29, std140) uniform BidirectionalBlock { BidirectionalFrame bidirectional; };
