@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "host/base/clock.h"
 #include "host/gpu/commands.h"
@@ -117,7 +118,7 @@ std::vector<Face> Solver::measure(const PatchMesh& mesh, const KernelSet& kernel
       Face face = {.area = mesh.areas[i] * static_cast<double>(surface.opacity),
                    .reflectance = glm::dvec3(surface.reflectance)};
       if (reflects()) face.unshot = face.reflectance * by_lamps_[faces.size()];
-      if (side == 0 || surface.both_sides) face.unshot += glm::pi<double>() * glm::dvec3(surface.emission);
+      if (side == 0 || surface.both_sides) face.unshot += std::numbers::pi * glm::dvec3(surface.emission);
       faces.push_back(face);
     }
   return faces;
