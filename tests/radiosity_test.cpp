@@ -180,6 +180,24 @@ TEST(Patches, HaveOneSizeAndAllOfTheArea) {
 }
 
 // Wherever a corner of one patch is in the middle of the side of another, light there is the mean of that side's ends.
+// The middle of such an edge rounds to one of its ends, which must not hang on itself.
+TEST(Patches, EdgesTooShortForAMiddleHaveNone) {
+  Scene scene;
+  scene.path = "test";
+  const std::uint32_t material = add_material(scene, 0.5f, 0.0f);
+  add_walls(scene, material);
+  glm::dmat4 place(1.0);
+  place[3] = {1.0, 0.25, 0.25, 1.0};
+  add_instance(scene, add_mesh(scene, {{0, 0, 0}, {6e-8f, 0, 0}, {0, 0, 0.5f}}, material), place);
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.triangle_count, 13u);
+  const PatchMesh mesh = make_mesh(packed, uniform_patches(packed, 13));
+  for (const HangingVertex& one : mesh.hanging) {
+    EXPECT_NE(one.vertex, one.a);
+    EXPECT_NE(one.vertex, one.b);
+  }
+}
+
 TEST(Patches, HaveNoCracksAtTVertices) {
   Scene scene;
   scene.path = "test";
@@ -408,6 +426,25 @@ TEST_F(RadiosityTest, KeepsItsSolutionForOtherViews) {
   RenderPlan finer = settings;
   finer.patches = 1024;
   EXPECT_FALSE(shown(other, finer, &shared).radiosity->kept) << "another mesh";
+}
+
+// A final gather of direct light asks no patch, and depth 0 neither. Another depth then needs a solution of its own.
+TEST_F(RadiosityTest, SolvesNothingThatNobodyLooksUp) {
+  RenderPlan settings = plan_of(&kRadiosity, 1, 512);
+  settings.patch_rays = 16;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), settings);
+  SceneOnDevice shared;
+  shared.keeps_loop = true;
+  const auto rays = [&](std::uint32_t depth, bool gather) {
+    settings.max_depth = depth;
+    settings.gather = gather;
+    return wavepath::render(device(), room.packed, room.view, settings, {}, shared_kernels(device()), &shared)
+        .radiosity->rays;
+  };
+  EXPECT_EQ(rays(0, false), 0u);
+  EXPECT_EQ(rays(1, true), 0u);
+  EXPECT_GT(rays(1, false), 1000u);
+  EXPECT_GT(rays(2, true), 1000u);
 }
 
 TEST_F(RadiosityTest, RefusesGlass) {

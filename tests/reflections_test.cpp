@@ -326,6 +326,31 @@ TEST_F(ReflectionsTest, WithoutReflectionsThereIsNothingOfThem) {
   EXPECT_GT(on.memory.paths, off.memory.paths);
 }
 
+// Techniques of shadows answer for the camera's first hits, so what mirrors show has its shadows traced beside any.
+TEST_F(ReflectionsTest, ShadowsOfWhatAMirrorShowsAreTraced) {
+  Scene scene = under_a_ceiling(mirror_material());
+  add_instance(scene, add_mesh(scene, rectangle({0.3, 3.0, 0.2}, {0.1, 0, 0}, {0, 0, 0.1}), 1)); // over the lamp
+  for (const char* technique : {"traced", "planar", "cube"}) {
+    RenderPlan settings = settings_for(technique);
+    const std::vector<double> traced = added(scene, settings);
+    EXPECT_GT(std::ranges::count_if(traced, [](double light) { return light < 1e-3; }), 20) << "no shadow to be seen";
+    for (const char* shadows : {"map", "planar", "zfail"}) {
+      settings.shadows = index_of(kShadowTechniques.names(), shadows);
+      EXPECT_EQ(added(scene, settings), traced) << technique << ", --shadows " << shadows;
+    }
+  }
+}
+
+TEST_F(ReflectionsTest, HowTheWorkIsCutUpDoesNotMatter) {
+  const Scene scene = bodies_on_a_mirror();
+  for (const char* technique : {"traced", "planar", "stencil", "cube", "ssr"}) {
+    RenderPlan settings = settings_for(technique);
+    const std::vector<float> whole = light(scene, settings);
+    settings.wave_slots = 700;
+    EXPECT_EQ(light(scene, settings), whole) << technique;
+  }
+}
+
 TEST_F(ReflectionsTest, TheyRefuseWhatLeavesThemOut) {
   RenderPlan settings = settings_for("traced");
   settings.max_depth = 1;

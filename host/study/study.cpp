@@ -369,7 +369,8 @@ private:
   bool scores_shadows(const Series& series) const { return varies_shadows_ && !series.shows_occlusion(); }
 
   static void add_signals(RenderPlan& settings) {
-    settings.aovs = {"direct"};
+    settings.aovs.clear();
+    if (std::ranges::count(settings.integrator->lacks_aovs, "direct") == 0) settings.aovs.emplace_back("direct");
     if (std::ranges::count(settings.integrator->aovs, "ao") > 0) settings.aovs.emplace_back("ao");
   }
 

@@ -46,5 +46,4 @@ void main() {
   if (blocked) return;
   vec3 irradiance = s.radiance * (cosine / s.pdf) * light_passed();
   add_light(slot, seen, irradiance);
-  if (has(kFeatureAovs)) path_aovs[slot].direct += seen.weight * (kInvPi * irradiance);
 }

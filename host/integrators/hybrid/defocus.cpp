@@ -1,5 +1,6 @@
 #include "host/integrators/hybrid/defocus.h"
 
+#include "host/render/settings/integrator_kind.h"
 #include "kernels/hybrid/defocus.spv.h"
 #include "kernels/hybrid/defocus_spots.spv.h"
 
@@ -28,6 +29,10 @@ const std::vector<BufferRule> kDefocusRules = {
 
 } // namespace
 
+bool has_lens(const RenderPlan& settings) {
+  return settings.lens.aperture > 0.0 && supports(*settings.integrator, "aperture");
+}
+
 gpu::DefocusLens defocus_lens(const gpu::Frame& frame) {
   const float pixel = 2.0f * glm::length(frame.camera_right) / static_cast<float>(frame.width); // at unit distance
   const float radius = frame.lens_radius / pixel;
@@ -53,13 +58,17 @@ Defocus::Defocus(Device& device, std::uint32_t width, std::uint32_t height, cons
   spread_ = compile("defocus", wavepath_defocus_spv);
 }
 
-void Defocus::record(Commands& commands, const gpu::DefocusLens& lens) {
+void Defocus::record_spots(Commands& commands, const gpu::DefocusLens& lens) {
   const gpu::Reprojection frame = reproject({}, {}, false, width_, height_);
   commands.write(buffers_[kFrame], &frame, sizeof(frame));
   commands.write(buffers_[kLens], &lens, sizeof(lens));
   commands.bind(*set_);
   spot_bands_.run(commands, *spots_);
-  bands_.run(commands, *spread_);
+}
+
+void Defocus::record_spread(Commands& commands, std::uint32_t band) {
+  commands.bind(*set_);
+  bands_.run_band(commands, *spread_, band);
 }
 
 } // namespace wavepath

@@ -23,12 +23,14 @@ FilterBands::FilterBands(const Device& device, std::uint32_t width, std::uint32_
       tiles_per_band_(
           std::min((device.info().type == "cpu" ? kTilesOfCpu : kTilesOfGpu) / cost, device.info().max_groups)) {}
 
+void FilterBands::run_band(Commands& commands, const Kernel& kernel, std::uint32_t band, std::uint32_t step) const {
+  const gpu::FilterBand constants{band * tiles_per_band_, step};
+  commands.dispatch(kernel, std::min(tiles_per_band_, tiles_ - constants.first_tile), &constants);
+  commands.barrier();
+}
+
 void FilterBands::run(Commands& commands, const Kernel& kernel, std::uint32_t step) const {
-  for (std::uint32_t first = 0; first < tiles_; first += tiles_per_band_) {
-    const gpu::FilterBand band{first, step};
-    commands.dispatch(kernel, std::min(tiles_per_band_, tiles_ - first), &band);
-    commands.barrier();
-  }
+  for (std::uint32_t band = 0; band < count(); ++band) run_band(commands, kernel, band, step);
 }
 
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,

@@ -15,7 +15,8 @@ public:
   FilterBands(const Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t cost = 1);
 
   std::uint32_t count() const { return (tiles_ + tiles_per_band_ - 1) / tiles_per_band_; }
-  // Runs a kernel, whose bindings must be bound. Ends with a barrier.
+  // Runs a kernel, whose bindings must be bound, on one band of count(), or on all. Ends with a barrier.
+  void run_band(Commands& commands, const Kernel& kernel, std::uint32_t band, std::uint32_t step = 0) const;
   void run(Commands& commands, const Kernel& kernel, std::uint32_t step = 0) const;
 
 private:

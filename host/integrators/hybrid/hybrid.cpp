@@ -123,8 +123,6 @@ bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
 }
 
-bool has_lens(const RenderPlan& settings) { return settings.lens.aperture > 0.0; }
-
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
@@ -263,7 +261,8 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
   std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
-  if (reflects()) path_stages |= stage_bits({kExtend});
+  if (const ReflectionKind* kind = kReflectionTechniques.find(settings_); kind && kind->traces)
+    path_stages |= stage_bits({kExtend});
   const std::uint32_t options =
       lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) ? kCapacityForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
@@ -314,7 +313,8 @@ void Hybrid::remake_reflections(const View& view, const std::vector<Binding>& ow
   reflections_.keep(kind, [&] {
     return kind->make(
         {*kind, workspace_, kernels_, paths_,
-         [this](Commands& commands, std::size_t band, const gpu::Wave& wave) { light(commands, band, wave); },
+         // Techniques of shadows answer for first hits, by slot or pixel. What a mirror shows has its shadows traced.
+         [this](Commands& commands, std::size_t band, const gpu::Wave& wave) { light(commands, band, wave, nullptr); },
          [this](std::uint32_t first, std::uint32_t count) { return wave({}, first, count, 0, 0); }});
   });
   using enum BindingKind;
@@ -501,7 +501,7 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
     commands.barrier(); // it reads the rays that shading replaces
   }
   if (!lights()) return;
-  light(commands, band, wave);
+  light(commands, band, wave, shadows_.get());
   commands.barrier();
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
@@ -511,7 +511,7 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
 }
 
 // Direct light as the path tracer finds it, from the first hit on; local illumination finds it by shadow rays alone.
-void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows) {
   const KernelSet& kernels = paths_.kernels();
   if (shading_) shading_->record(commands, band, wave);
   commands.bind(paths_.bindings(band));
@@ -519,9 +519,9 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
     commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
   if (workspace_.frame.light_count > 0) {
-    if (shadows_) {
+    if (shadows) {
       commands.barrier();
-      shadows_->record_look_up(commands, band, wave);
+      shadows->record_look_up(commands, band, wave);
       commands.barrier();
       commands.bind(paths_.bindings(band));
     }
@@ -573,12 +573,18 @@ void Hybrid::share_shading(WaveQueue& queue) {
 }
 
 void Hybrid::spread_spots(WaveQueue& queue) {
-  const auto record = [this](Commands& commands) {
-    filters_->defocus->record(commands, defocus_lens(workspace_.frame));
-    commands.copy(filters_->defocus->result(), paths_.buffers[kSeen],
-                  std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
-  };
-  queue.submit(record, {.stage = kDefocusStage});
+  Defocus& defocus = *filters_->defocus;
+  const auto find = [&](Commands& commands) { defocus.record_spots(commands, defocus_lens(workspace_.frame)); };
+  queue.submit(find, {.stage = kDefocusStage});
+  for (std::uint32_t band = 0; band < defocus.bands(); ++band) {
+    const auto spread = [&](Commands& commands) {
+      defocus.record_spread(commands, band);
+      if (band + 1 == defocus.bands())
+        commands.copy(defocus.result(), paths_.buffers[kSeen],
+                      std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+    };
+    queue.submit(spread, {.stage = kDefocusStage});
+  }
 }
 
 void Hybrid::antialias(WaveQueue& queue) {

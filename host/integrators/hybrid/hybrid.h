@@ -87,7 +87,8 @@ private:
   void remake_layers(bool moved);
   void remake_reflections(const View& view, const std::vector<Binding>& own);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
-  void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
+  // `shadows`: null = all shadows are traced.
+  void light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows);
   void share_shading(WaveQueue& queue);
   void composite(WaveQueue& queue, std::uint32_t flags);
   bool filters_frames() const;         // true if each frame is filtered by itself, for smooth edges

@@ -90,7 +90,7 @@ gpu::Feature features(const RenderPlan&) { return gpu::kFeatureSharedFirstHit; }
 void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings, const KernelConfig& config) {
   const ShadingKind* shading = kShadingModels.find(settings);
   const ReflectionKind* reflections = kReflectionTechniques.find(settings);
-  const std::uint32_t traces = reflections ? stage_bits({kExtend}) : 0;
+  const std::uint32_t traces = reflections && reflections->traces ? stage_bits({kExtend}) : 0;
   kernels.start({&kPathProgram, (shading ? kLocalPathStages : kLightingStages) | traces, config});
   if (reflections) kernels.start(whole_need(*reflections->program, config));
   if (shading) kernels.start(whole_need(*shading->program, config));
@@ -125,12 +125,17 @@ std::uint64_t shared_color_bytes(const RenderPlan& settings) {
              : 0;
 }
 
+std::uint64_t reflection_bytes(const RenderPlan& settings) {
+  const ReflectionKind* kind = kReflectionTechniques.find(settings);
+  return kind ? sizeof(gpu::vec4) + kind->bytes_per_pixel : 0;
+}
+
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) +
-         (settings.lens.aperture > 0.0 ? Defocus::bytes_per_pixel() : 0) + layer_bytes(settings) +
-         shared_color_bytes(settings) + (kReflectionTechniques.find(settings) ? sizeof(gpu::vec4) : 0);
+         (has_lens(settings) ? Defocus::bytes_per_pixel() : 0) + layer_bytes(settings) + shared_color_bytes(settings) +
+         reflection_bytes(settings);
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
@@ -163,7 +168,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
 // Bias of every frame, whatever it shows.
 void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
-  if (settings.lens.aperture > 0.0) bias.emplace_back(kDefocusBias);
+  if (has_lens(settings)) bias.emplace_back(kDefocusBias);
   if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
@@ -239,7 +244,7 @@ Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& 
 }
 
 void check_frame_settings(const RenderPlan& settings) {
-  if (settings.lens.aperture > 0.0 && settings.lens.blades > 0)
+  if (has_lens(settings) && settings.lens.blades > 0)
     throw UsageError("--blades", "is not known to --integrator hybrid, whose spots are discs",
                      "leave it out, or use --integrator path");
   check_occlusion_settings(settings);
@@ -247,7 +252,7 @@ void check_frame_settings(const RenderPlan& settings) {
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
-  return settings.denoise != kDenoiseOff || settings.lens.aperture > 0.0 || kOcclusionTechniques.find(settings) ||
+  return settings.denoise != kDenoiseOff || has_lens(settings) || kOcclusionTechniques.find(settings) ||
          kAntialiasTechniques.find(settings)->is_biased;
 }
 

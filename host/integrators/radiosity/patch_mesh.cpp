@@ -77,7 +77,9 @@ void find_hanging(const VertexTable& table, const Corner& a, const Corner& b, st
   const Corner middle = {0.5 * (a.position + b.position), normal / std::max(glm::length(normal), 1e-30)};
   const auto vertex = table.find(key_of(middle));
   if (vertex == table.end() || level > gpu::kDeepestPatch) return;
-  found.push_back({level, {vertex->second, table.at(key_of(a)), table.at(key_of(b))}});
+  const HangingVertex hanging = {vertex->second, table.at(key_of(a)), table.at(key_of(b))};
+  if (hanging.vertex == hanging.a || hanging.vertex == hanging.b) return; // too short for floats to have a middle
+  found.push_back({level, hanging});
   find_hanging(table, a, middle, level + 1, found);
   find_hanging(table, middle, b, level + 1, found);
 }

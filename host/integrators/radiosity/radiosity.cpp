@@ -75,9 +75,16 @@ void Radiosity::change(const View& view, const RenderPlan& settings, TemporalHis
   const gpu::Feature features = kernels_.features(kRadiosityProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
   moved |= reserve(workspace_.device, seen_, workspace_.slots * sizeof(gpu::SeenPoint));
-  key_ = {settings.patches,    settings.subdivision,  settings.form_factors,
-          settings.patch_rays, workspace_.frame.seed, settings.sampler,
-          settings.cull,       settings.terminator,   std::min(settings.max_depth, 2u)};
+  key_ = {settings.patches,
+          settings.subdivision,
+          settings.form_factors,
+          settings.patch_rays,
+          workspace_.frame.seed,
+          settings.sampler,
+          settings.cull,
+          settings.terminator,
+          std::min(settings.max_depth, 2u),
+          Solver::is_looked_up(settings)};
   is_solving_ = false;
   solver_.stop();
   if (solved_ != key_) solved_.reset();

@@ -28,7 +28,7 @@ public:
 
 private:
   // What a solution depends on besides the scene: it serves every view.
-  using Key = std::array<std::uint32_t, 9>;
+  using Key = std::array<std::uint32_t, 10>;
 
   void bind();
 

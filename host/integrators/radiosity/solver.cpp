@@ -18,7 +18,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLightRays = 64; // shadow rays of a face, at least one to every light
+constexpr std::uint32_t kLightRays = 64;       // shadow rays of a face, at least one to every light
+constexpr std::uint32_t kLightDispatches = 16; // of shadow rays, before the render may be stopped
 // Rays of a dispatch: on two cores of a CPU 2^15 take 30 ms.
 constexpr std::uint32_t kRaysOfCpu = 1u << 15, kRaysOfGpu = 1u << 20;
 
@@ -82,32 +83,44 @@ void Solver::submit(const Kernel& kernel, const gpu::Wave& wave, WaveQueue& queu
       {.timed_dispatches = 1});
 }
 
-// Irradiance of faces by lamps without a surface and by the environment.
-void Solver::measure_light(std::uint32_t faces, const KernelSet& kernels, WaveQueue& queue) {
+// Irradiance of faces by lamps without a surface and by the environment: some dispatches of it. Returns true when all
+// faces have theirs.
+bool Solver::measure_light(const KernelSet& kernels, WaveQueue& queue) {
   const PackedScene& scene = workspace_.scene;
-  const std::uint32_t first = triangle_lights(scene);
+  const std::uint32_t faces = 2 * work_->tree.size(), first = triangle_lights(scene);
   const bool sky = (scene.features & gpu::kFeatureEnvironment) && scene.environment_probability == 0.0f;
   const std::uint32_t lights = static_cast<std::uint32_t>(scene.lights.size()) - first + sky;
   by_lamps_.assign(faces, glm::dvec3(0.0));
-  if (lights == 0) return;
+  if (lights == 0 || !is_looked_up(settings_)) return true;
   gpu::Wave wave{.bounce = first, .first_film_pixel = lights}; // see radiosity_light.comp
   wave.sample_count = lights * ((kLightRays + lights - 1) / lights);
-  for_parts(faces, rays_at_once(workspace_) / gpu::kPatchLightSamples, wave, [&] {
-    for (wave.first_sample = 0; wave.first_sample < wave.sample_count; wave.first_sample += gpu::kPatchLightSamples)
-      submit(kernels[kPatchLight], wave, queue);
-  });
+  const std::uint32_t at_once = rays_at_once(workspace_) / gpu::kPatchLightSamples;
+  for (std::uint32_t i = 0; i < kLightDispatches && work_->lit_faces < faces; ++i) {
+    wave.first_pixel = work_->lit_faces;
+    wave.pixel_count = std::min(at_once, faces - work_->lit_faces);
+    wave.first_sample = work_->lit_samples;
+    submit(kernels[kPatchLight], wave, queue);
+    work_->lit_samples += gpu::kPatchLightSamples;
+    if (work_->lit_samples < wave.sample_count) continue;
+    work_->lit_samples = 0;
+    work_->lit_faces += wave.pixel_count;
+  }
   queue.drain();
+  if (work_->lit_faces < faces) return false;
   std::vector<gpu::vec4> copy;
   const std::span<const gpu::vec4> light = look_at(lamp_light_, faces, copy);
   for (std::uint32_t i = 0; i < faces; ++i) by_lamps_[i] = glm::dvec3(light[i]);
+  return true;
 }
 
-std::vector<Face> Solver::measure(const PatchMesh& mesh, const KernelSet& kernels, WaveQueue& queue) {
-  const auto patches = static_cast<std::uint32_t>(mesh.areas.size());
+void Solver::measure_surfaces(const KernelSet& kernels, WaveQueue& queue) {
   gpu::Wave wave{};
-  for_parts(patches, rays_at_once(workspace_), wave, [&] { submit(kernels[kPatchMeasure], wave, queue); });
+  for_parts(work_->tree.size(), rays_at_once(workspace_), wave, [&] { submit(kernels[kPatchMeasure], wave, queue); });
   queue.drain();
-  measure_light(2 * patches, kernels, queue);
+}
+
+std::vector<Face> Solver::make_faces() {
+  const std::uint32_t patches = work_->tree.size();
   std::vector<gpu::PatchSurface> copy;
   const std::span<const gpu::PatchSurface> surfaces = look_at(surfaces_, patches, copy);
   std::vector<Face> faces;
@@ -115,7 +128,7 @@ std::vector<Face> Solver::measure(const PatchMesh& mesh, const KernelSet& kernel
   for (std::uint32_t i = 0; i < patches; ++i)
     for (std::uint32_t side = 0; side < 2; ++side) {
       const gpu::PatchSurface& surface = surfaces[i];
-      Face face = {.area = mesh.areas[i] * static_cast<double>(surface.opacity),
+      Face face = {.area = work_->mesh.areas[i] * static_cast<double>(surface.opacity),
                    .reflectance = glm::dvec3(surface.reflectance)};
       if (reflects()) face.unshot = face.reflectance * by_lamps_[faces.size()];
       if (side == 0 || surface.both_sides) face.unshot += std::numbers::pi * glm::dvec3(surface.emission);
@@ -174,21 +187,29 @@ void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, Wav
 void Solver::begin(const RenderPlan& settings) {
   settings_ = settings;
   report_ = {};
-  const bool adapts = settings.subdivision == kSubdivisionAdaptive;
+  const bool adapts = settings.subdivision == kSubdivisionAdaptive && is_looked_up(settings);
   const std::uint32_t patches = adapts ? settings.patches / kCoarseShare : settings.patches;
   work_.emplace(Mesh{.tree = uniform_patches(workspace_.scene, patches), .is_coarse = adapts});
+}
+
+std::vector<Shot> Solver::next_shots() {
+  if (!is_looked_up(settings_)) return {};
+  return work_->refinement->next_shots(rays_at_once(workspace_));
 }
 
 bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) {
   const Clock::time_point start = Clock::now();
   bool is_solved = false;
-  if (!work_->refinement) {
+  if (!work_->is_uploaded) {
     work_->mesh = make_mesh(workspace_.scene, work_->tree);
     upload(work_->tree);
     set_ = &bind();
+    measure_surfaces(kernels, queue);
+    work_->is_uploaded = true;
+  } else if (!work_->refinement) {
     const double rays = 1.0 * settings_.patch_rays * work_->tree.size();
-    work_->refinement.emplace(measure(work_->mesh, kernels, queue), rays, reflects());
-  } else if (const auto shots = work_->refinement->next_shots(rays_at_once(workspace_)); !shots.empty()) {
+    if (measure_light(kernels, queue)) work_->refinement.emplace(make_faces(), rays, reflects());
+  } else if (const auto shots = next_shots(); !shots.empty()) {
     trace(shots, kernels, queue);
   } else {
     is_solved = finish_mesh();
@@ -206,8 +227,7 @@ bool Solver::finish_mesh() {
   const std::vector<glm::vec4> corners = light_at_corners(work_->mesh, light);
   if (work_->is_coarse) {
     refine(work_->tree, work_->mesh, refinement.faces(), corners, settings_.patches);
-    work_->refinement.reset();
-    work_->is_coarse = false;
+    *work_ = Mesh{.tree = std::move(work_->tree)};
     return false;
   }
   corners_.write(corners.data(), corners.size() * sizeof(glm::vec4));

@@ -36,6 +36,9 @@ class Solver {
 public:
   explicit Solver(Workspace& workspace) : workspace_(workspace) {}
 
+  // Whether cameras look the light of patches up. If not, a mesh has none.
+  static bool is_looked_up(const RenderPlan& settings) { return settings.max_depth > (settings.gather ? 1u : 0u); }
+
   bool is_at_work() const { return work_.has_value(); }
   void stop() { work_.reset(); }
   // Begins anew, with these settings.
@@ -56,16 +59,20 @@ private:
   struct Mesh { // in work
     PatchTree tree;
     PatchMesh mesh;
-    std::optional<Refinement> refinement;
-    bool is_coarse = false; // another one follows
+    bool is_uploaded = false;                     // and its surfaces are measured
+    std::uint32_t lit_faces = 0, lit_samples = 0; // by lamps: whole faces, and samples of the next ones
+    std::optional<Refinement> refinement;         // once the light of lamps is measured
+    bool is_coarse = false;                       // another one follows
   };
 
   bool reflects() const { return settings_.max_depth > 1; }
   void upload(const PatchTree& tree);
   void submit(const Kernel& kernel, const gpu::Wave& wave, WaveQueue& queue);
-  void measure_light(std::uint32_t faces, const KernelSet& kernels, WaveQueue& queue);
-  std::vector<Face> measure(const PatchMesh& mesh, const KernelSet& kernels, WaveQueue& queue);
+  void measure_surfaces(const KernelSet& kernels, WaveQueue& queue);
+  bool measure_light(const KernelSet& kernels, WaveQueue& queue);
+  std::vector<Face> make_faces();
   void trace(const std::vector<Shot>& shots, const KernelSet& kernels, WaveQueue& queue);
+  std::vector<Shot> next_shots();
   bool finish_mesh();
 
   Workspace& workspace_;

@@ -35,6 +35,11 @@ void add(RenderResult& sum, const RenderResult& part) {
   sum.rays.occlusion += part.rays.occlusion;
   sum.gpu_seconds += part.gpu_seconds;
   sum.even &= part.even;
+  if (part.reflections) {
+    if (!sum.reflections) sum.reflections.emplace();
+    sum.reflections->asked += part.reflections->asked;
+    sum.reflections->answered += part.reflections->answered;
+  }
   for (std::size_t i = 0; i < sum.nonfinite.by_maker.size(); ++i)
     sum.nonfinite.by_maker[i] += part.nonfinite.by_maker[i];
   if (part.nonfinite.first && (!sum.nonfinite.first || *part.nonfinite.first < *sum.nonfinite.first))
@@ -276,7 +281,6 @@ private:
     all.radiosity = part.radiosity;
     all.shadows = part.shadows;
     all.occlusion = part.occlusion;
-    all.reflections = part.reflections;
     all.antialias = part.antialias;
   }
 

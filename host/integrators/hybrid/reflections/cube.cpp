@@ -9,6 +9,7 @@ constinit const ReflectionKind kReflectionCube = {
     .summary =
         "looked up in a cube map around the middle of the mirrors, as if it were infinitely far away (Greene 1986)",
     .program = &kMapProgram,
+    .bytes_per_pixel = 16,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<MapReflections>(context, gpu::kMapCube);
     },

@@ -17,7 +17,8 @@ struct MirrorPlane {
   double area = 0.0; // of the mirrors that lie in it
 };
 
-// The planes with the most mirrors in them, at most kMostMirrors, the largest first. A mirror is a flat triangle whose
+// The planes with the most mirrors in them, of the first 256 planes of the scene: at most kMostMirrors, the largest
+// first. A mirror is a flat triangle whose
 // material reflects at least `threshold` head-on, as its factors tell: textures can only lower that.
 std::vector<MirrorPlane> mirror_planes(const PackedScene& scene, double threshold);
 

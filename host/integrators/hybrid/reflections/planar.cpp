@@ -90,6 +90,7 @@ constinit const ReflectionKind kReflectionPlanar = {
     .name = "planar",
     .summary = "drawn by mirrored cameras, of plane mirrors alone (Diefenbach and Badler 1997)",
     .program = &kPlanarReflectionProgram,
+    .bytes_per_pixel = 28,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<PlanarReflections>(context);
     },

@@ -10,6 +10,7 @@ constinit const ReflectionKind kReflectionProbe = {
         "looked up in a cube map around the middle of the scene, as if its surfaces lay on its bounding box (Lagarde "
         "and Zanuttini 2012)",
     .program = &kMapProgram,
+    .bytes_per_pixel = 16,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<MapReflections>(context, gpu::kMapBox);
     },

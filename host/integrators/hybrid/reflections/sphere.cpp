@@ -11,6 +11,7 @@ constinit const ReflectionKind kReflectionSphere = {
         "looked up in the picture of a mirrored ball in the middle of the mirrors, as if it were infinitely far away "
         "(Blinn and Newell 1976)",
     .program = &kMapProgram,
+    .bytes_per_pixel = 16,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<MapReflections>(context, gpu::kMapBall);
     },

@@ -25,6 +25,7 @@ const KernelProgram kScreenProgram = {kScreenStages, kScreenOrder, screen_layout
 
 constexpr const char* kScreenStageName = "screen-space reflections";
 constexpr double kThickness = 0.05;                   // of the scene's radius
+constexpr std::uint32_t kLevelCells = 1u << 20;       // of a dispatch, which reads four depths for each
 constexpr std::uint64_t kFirstMarchPixels = 1u << 12; // of a slice: a guess
 
 struct Level {
@@ -83,11 +84,13 @@ private:
   void record_levels(Commands& commands) {
     commands.bind(bindings(0));
     for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+      commands.barrier();
       gpu::Wave wave{};
       wave.bounce = level;
-      wave.pixel_count = levels_[level].cells();
-      commands.barrier();
-      commands.dispatch(kernels()[kNearness], groups_for(wave.pixel_count), &wave);
+      for (; wave.first_pixel < levels_[level].cells(); wave.first_pixel += kLevelCells) {
+        wave.pixel_count = std::min(kLevelCells, levels_[level].cells() - wave.first_pixel);
+        commands.dispatch(kernels()[kNearness], groups_for(wave.pixel_count), &wave);
+      }
     }
   }
 
@@ -102,6 +105,7 @@ constinit const ReflectionKind kReflectionSsr = {
     .name = "ssr",
     .summary = "found by a march over the picture, which misses what it does not show (Uludag 2014)",
     .program = &kScreenProgram,
+    .bytes_per_pixel = 6,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<ScreenReflections>(context);
     },

@@ -92,6 +92,7 @@ constinit const ReflectionKind kReflectionStencil = {
     .name = "stencil",
     .summary = "drawn by mirrored cameras where the stencil marks plane mirrors (Kilgard 1999)",
     .program = &kStencilProgram,
+    .bytes_per_pixel = 24,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<StencilReflections>(context);
     },

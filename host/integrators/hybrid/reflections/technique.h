@@ -60,7 +60,8 @@ struct ReflectionKind {
   std::string_view summary;
   std::span<const std::string_view> settings{};        // settings that it supports besides reflection-threshold
   const KernelProgram* program = nullptr;              // its kernels, without the shaders of draws
-  bool traces = false;                                 // it sends rays
+  bool traces = false;                                 // by the path tracer's kernel `extend`
+  std::uint32_t bytes_per_pixel = 0;                   // of device memory, besides kBindReflections
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
   std::unique_ptr<ReflectionTechnique> (*make)(const ReflectionContext& context) = nullptr;
 };
