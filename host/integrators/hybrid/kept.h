@@ -24,6 +24,7 @@ public:
 
   explicit operator bool() const { return value_ != nullptr; }
   T* operator->() const { return value_.get(); }
+  T* get() const { return value_.get(); }
 
 private:
   std::unique_ptr<T> value_;
