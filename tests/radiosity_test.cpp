@@ -186,12 +186,15 @@ TEST(Patches, EdgesTooShortForAMiddleHaveNone) {
   scene.path = "test";
   const std::uint32_t material = add_material(scene, 0.5f, 0.0f);
   add_walls(scene, material);
-  glm::dmat4 place(1.0);
-  place[3] = {1.0, 0.25, 0.25, 1.0};
-  add_instance(scene, add_mesh(scene, {{0, 0, 0}, {6e-8f, 0, 0}, {0, 0, 0.5f}}, material), place);
+  for (int i = 0; i < 8; ++i) { // about as wide as floats there are apart
+    glm::dmat4 place(1.0);
+    place[3] = {0.8, 0.1 * i, 0.25, 1.0};
+    const float width = 1e-8f * static_cast<float>(i + 2);
+    add_instance(scene, add_mesh(scene, {{0, 0, 0}, {width, 0, 0}, {0, 0, 0.5f}}, material), place);
+  }
   const PackedScene packed = pack(scene);
-  ASSERT_EQ(packed.triangle_count, 13u);
-  const PatchMesh mesh = make_mesh(packed, uniform_patches(packed, 13));
+  const PatchMesh mesh = make_mesh(packed, uniform_patches(packed, 20));
+  ASSERT_GT(mesh.areas.size(), 14u);
   for (const HangingVertex& one : mesh.hanging) {
     EXPECT_NE(one.vertex, one.a);
     EXPECT_NE(one.vertex, one.b);
