@@ -189,8 +189,6 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"transmission", "no material in use transmits light", 0, gpu::kFeatureTransmission},
       {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0,
        gpu::kFeatureVolume},
-      {"volume of voxels", "the scene has none", 0, gpu::kFeatureVoxels},
-      {"black bodies in the volume", "no part of a volume is hot", 0, gpu::kFeatureFire},
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
@@ -216,6 +214,11 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
                                      listed |= row.feature;
                                    }});
   std::erase_if(all, [&](const LeftOut& entry) { return (packed.features & entry.feature) != 0; });
+  // Without a feature: kernels cannot be given this code, whose bindings such a scene does not fill.
+  if (!(packed.features & gpu::kFeatureVoxels))
+    all.push_back({"volume of voxels", "the scene has none"});
+  else if (!(packed.features & gpu::kFeatureFire))
+    all.push_back({"black bodies in the volume", "no part of it is hot"});
   if (const AlphaCounts& alpha = packed.alpha; alpha.opaque + alpha.holes > 0)
     all.push_back(
         {"alpha look-ups",
