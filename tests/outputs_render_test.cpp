@@ -109,7 +109,7 @@ TEST_F(OutputsRender, AStudyLeavesOutWhatCannotBeRendered) {
   const Json study = Json::parse(contents(file("study/study.json")));
   std::string left_out;
   for (const Json& one : study["unfit"]) left_out += one["configuration"].get<std::string>() + " ";
-  EXPECT_EQ(left_out, "bidirectional whitted ");
+  EXPECT_EQ(left_out, "bidirectional whitted radiosity ");
   EXPECT_GT(study["configurations"].size(), 1u);
   EXPECT_NE(outcome.err.find("wavepath: left out bidirectional, whitted: cannot render glass that disperses light"),
             std::string::npos)
