@@ -283,7 +283,7 @@ TEST(Settings, NumbersAreExact) {
 }
 
 TEST(Settings, ARowIsNamedOnceAndListedByWhoSupportsIt) {
-  const std::set<std::string_view> kOthers = {"pixel", "shutter"}; // flags of the replay and of the scene
+  const std::set<std::string_view> kOthers = {"pixel", "shutter", "velocity"}; // of the replay, the scene, the view
   const auto listed_name = [](const Setting& row) { return row.listed_as.empty() ? row.name : row.listed_as; };
   std::set<std::string_view> names, listable, listed;
   for (const Setting& row : settings_table()) {
