@@ -37,8 +37,8 @@ struct ReflectionFrame {
   vec3 box_low;    // box whose sides the map shows (kMapBox), device world
   uint map_kind;
   vec3 box_high;
-  uint map_side; // texels along a side of each face
-  vec3 axis;     // direction from which the ball of a map is seen (kMapBall)
+  uint map_side;   // texels along a side of each face
+  vec3 axis;       // direction from which the ball of a map is seen (kMapBall)
   float reach;     // metres that a mirrored ray goes in screen space
   float thickness; // metres of all surfaces in screen space
   float tolerance; // metres up to which a point lies in a plane mirror
