@@ -20,7 +20,7 @@
 
 bool uses_camera_model() { return has_lobe(kFeatureCameraModel) && frame.camera_model != kCameraPlain; }
 bool is_panorama() { return frame.camera_model >= kCameraFisheye; }
-// Whether depths count from the eye, not along the view axis.
+// True if depths count from the eye, not along the view axis.
 bool measures_from_eye() { return is_panorama() || MOVES_FAST; }
 
 // ---- stereo ---------------------------------------------------------------------------------------------------------
@@ -102,7 +102,7 @@ vec3 clipped_origin(vec3 origin, vec3 direction) {
   return origin + direction * (frame.clip_near * depth_step(direction));
 }
 
-// What the depth of a point is that is seen by a ray from `origin`: along the view axis or from the eye.
+// Depth of a point that is seen by a ray from `origin`: along the view axis or from the eye.
 float model_depth(vec3 point, vec3 origin) {
   if (measures_from_eye()) return length(point - origin) + frame.clip_near;
   return dot(point - frame.camera_position, frame.camera_forward);

@@ -1,4 +1,4 @@
-// What a camera sees that moves nearly as fast as light (kFeatureRelativity): directions by aberration, radiance by the
+// Sight of a camera that moves nearly as fast as light (kFeatureRelativity): directions by aberration, radiance by the
 // Doppler and searchlight effects. Weiskopf, Kraus and Ruder, "Searchlight and Doppler Effects in the Visualization of
 // Special Relativity", ACM Transactions on Graphics 18(3), 1999.
 //
@@ -52,7 +52,7 @@ float radiance_at(vec3 radiance, float wavelength) {
   return mix(radiance.b, radiance.g, max((wavelength - w.b) / (w.g - w.b), 0.0));
 }
 
-// What the camera gets of light with the Doppler factor d.
+// Radiance that the camera sees of light with the Doppler factor d.
 vec3 doppler_shifted(vec3 radiance, float d) {
   vec3 w = d * kPrimaryWavelengths;
   vec3 shifted = vec3(radiance_at(radiance, w.r), radiance_at(radiance, w.g), radiance_at(radiance, w.b));

@@ -35,7 +35,7 @@ struct Patch {
 GPU_CONSTANT uint kPatchTexels = 2u;
 GPU_CHECK(sizeof(Patch) == 16 * kPatchTexels);
 
-// What the surface of a patch does to light, on average.
+// Means of a patch's surface.
 struct PatchSurface {
   vec3 reflectance;
   float opacity;
@@ -55,7 +55,7 @@ struct ShotBlock {
 GPU_CHECK(sizeof(ShotBlock) == 16);
 GPU_CONSTANT uint kHemicube = 0x80000000u;
 
-// Where a camera ray meets the mesh.
+// Point at which a camera ray meets the mesh.
 struct SeenPoint {
   Hit hit;
   vec3 weight; // reflectance there; 0 = nothing more to add

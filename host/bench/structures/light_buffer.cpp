@@ -92,7 +92,7 @@ public:
     return {box[0] - margin_, box[1] + margin_, box[2] - margin_, box[3] + margin_};
   }
 
-  // Whether the polygon may meet the rectangle; `covers`: receives whether it does so everywhere.
+  // False if the polygon does not meet the rectangle. `covers` receives true if it fills the rectangle.
   bool meets(const Rectangle& cell, bool& covers) const {
     covers = true;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -116,7 +116,8 @@ private:
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   }
 
-  // By the three corners that span most; without an area the bounds over the whole polygon stand for those in a cell.
+  // The plane goes through the three corners that span the largest area. A polygon without an area has none; its bounds
+  // then stand for those in a cell.
   void fit_plane() {
     double most = 0.0;
     for (std::size_t i = 1; i + 1 < corners_.size(); ++i) {
@@ -202,13 +203,13 @@ private:
         if (!shadow.meets(place, covers)) continue;
         Cell& cell = cells_[(std::size_t{face} * side_ + y) * side_ + x];
         cell.entries.push_back({index, lowered(shadow.nearest(place))});
-        // Where the lamp stands on the triangle itself, rays end before they meet it.
+        // A triangle that the lamp stands on closes no cell: rays end before they meet it.
         if (covers && shadow.nearest() > 64 * slack_)
           cell.closed_from = std::min(cell.closed_from, shadow.farthest(place) * (1.0 + kProjectedSlack) + slack_);
       }
   }
 
-  // Whether a triangle comes as near to the lamp as that on each axis, by its box.
+  // False if the triangle's box, or its plane, is farther from the lamp than `distance`.
   static bool reaches(const Polygon& triangle, double distance) {
     const auto spans = [&](auto coordinate) {
       double lo = 1e30, hi = -1e30;
@@ -218,7 +219,6 @@ private:
     if (!spans([](const Corner& c) { return c.x; }) || !spans([](const Corner& c) { return c.y; }) ||
         !spans([](const Corner& c) { return c.depth; }))
       return false;
-    // By its plane: the distance of the lamp is at most that.
     const glm::dvec3 a(triangle[0].x, triangle[0].y, triangle[0].depth),
         b(triangle[1].x, triangle[1].y, triangle[1].depth), c(triangle[2].x, triangle[2].y, triangle[2].depth);
     const glm::dvec3 normal = glm::cross(b - a, c - a);

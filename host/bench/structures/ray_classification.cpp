@@ -86,7 +86,7 @@ private:
     add(normal, start - slope * (slope < 0.0 ? hi_[2] : lo_[2]));
   }
 
-  // Whether all rays begin on one side of the triangle's plane and go on there.
+  // True if all rays begin on one side of the triangle's plane and stay there.
   bool leaves_plane(const Candidate& candidate) const {
     const glm::dvec3 a = candidate.corners[0];
     const glm::dvec3 normal = glm::cross(glm::dvec3(candidate.corners[1]) - a, glm::dvec3(candidate.corners[2]) - a);
@@ -145,7 +145,7 @@ public:
   }
 
 private:
-  // As make_traversal_ray() of kernels/bvh/triangle.glsl chooses the axis.
+  // The axis is chosen as by make_traversal_ray() of kernels/bvh/triangle.glsl.
   static std::uint32_t face_of(const glm::vec3& direction) {
     const glm::vec3 size = glm::abs(direction);
     std::uint32_t axis = size.y > size.x ? 1 : 0;
@@ -190,7 +190,7 @@ private:
     return best;
   }
 
-  // Whether it pays to cut a hypercube again.
+  // True if a cut is likely to save more tests than it costs.
   bool is_worth_cutting(std::size_t candidates, std::size_t rays, std::uint32_t cuts, std::size_t before) const {
     const bool in_vain = cuts > 0 && cuts % kCutsOfAProgress == 0 && 10 * candidates > 9 * before;
     return rays > 0 && cuts < kMostCuts && !in_vain &&
@@ -241,6 +241,7 @@ private:
       if (beam.may_meet(seen_[candidate])) result.push_back(candidate);
     return result;
   }
+
   std::span<const StructureRay> rays_;
   Structure& tree_;
   Hypercube root_;

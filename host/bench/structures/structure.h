@@ -21,7 +21,7 @@ struct StructureRay {
   float unused = 0.0f;
 };
 
-// What structures are built from.
+// Input of all builders.
 struct StructureInput {
   std::span<const bvh::Triangle> triangles;
   bvh::Quality quality = bvh::Quality::best; // of those that the product's build has a part in

@@ -10,7 +10,7 @@ namespace {
 // Pixels that a pixel may look at, over the 50 of other filters: a disc of radius kLargestSpot has 7,238.
 constexpr std::uint32_t kSpreadCost = 128, kSpotCost = 32;
 
-// By Defocus::OwnBuffer.
+// Indexed by Defocus::OwnBuffer.
 const std::vector<BufferRule> kDefocusRules = {
     {"frame",
      [](const BufferDimensions&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },

@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 1> kFirstHitStages = {"radiosity see"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderPlan& settings) {
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
-  kernels.start({&kRadiosityProgram, kRadiosityStages, config});
+  kernels.start(radiosity_need(config, settings));
   kernels.start({&kPathProgram, stage_bits({kAccumulate}), config});
 }
 

@@ -37,6 +37,9 @@ constexpr std::array<std::size_t, kRadiosityStageCount> kCompileOrder = {
 
 constexpr Binding kSeenPoints = {gpu::kBindSeenPoints, BindingKind::storage};
 
+// A final gather of at least one bounce.
+bool gathers(const RenderPlan& settings) { return settings.gather && settings.max_depth > 0; }
+
 std::vector<Binding> layout() {
   std::vector<Binding> layout = path_layout(), own = Solver::layout();
   layout.insert(layout.end(), own.begin(), own.end());
@@ -60,6 +63,16 @@ std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene
 
 const KernelProgram kRadiosityProgram = {kStages, kCompileOrder, layout};
 
+KernelNeed radiosity_need(const KernelConfig& config, const RenderPlan& settings) {
+  std::uint32_t stages = stage_bits({kPatchMeasure, kSee});
+  if (Solver::is_looked_up(settings)) {
+    stages |= stage_bits({kShoot});
+    if (config.features & (gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment)) stages |= stage_bits({kPatchLight});
+  }
+  stages |= gathers(settings) ? stage_bits({kGatherDirect, kGatherOther}) : stage_bits({kInterpolate});
+  return {&kRadiosityProgram, stages, config};
+}
+
 Radiosity::Radiosity(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), solver_(workspace) {}
 
@@ -68,9 +81,7 @@ void Radiosity::change(const View& view, const RenderPlan& settings, TemporalHis
   if (const std::string problem = radiosity_lacks(settings, scene); !problem.empty())
     throw Error("--integrator radiosity", problem, "use --integrator path");
   settings_ = settings;
-  gathers_ = settings.gather && settings.max_depth > 0;
-  need_ = {&kRadiosityProgram, kRadiosityStages,
-           kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
+  need_ = radiosity_need(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings), settings);
   kernels_.start(need_);
   const gpu::Feature features = kernels_.features(kRadiosityProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
@@ -138,7 +149,7 @@ void Radiosity::record_wave(Commands& commands, std::size_t band, const gpu::Wav
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kSee], groups, &wave);
   commands.barrier();
-  if (gathers_) {
+  if (gathers(settings_)) {
     commands.dispatch(kernels[kGatherDirect], groups, &wave);
     commands.barrier();
     commands.dispatch(kernels[kGatherOther], groups, &wave);

@@ -27,7 +27,7 @@ public:
   void describe(RenderResult& result) const override;
 
 private:
-  // What a solution depends on besides the scene: it serves every view.
+  // Settings that a solution depends on. It serves every view.
   using Key = std::array<std::uint32_t, 10>;
 
   void bind();
@@ -39,16 +39,16 @@ private:
   Solver solver_;
   KernelNeed need_;
   RenderPlan settings_;
-  Key key_{};                 // of the settings
-  std::optional<Key> solved_; // none: nothing is solved
-  bool serves_again_ = false; // the solution of an earlier view
-  bool is_solving_ = false;   // in a pilot
-  bool gathers_ = false;
+  Key key_{};                                     // of the settings
+  std::optional<Key> solved_;                     // none: nothing is solved
+  bool serves_again_ = false;                     // the solution of an earlier view
+  bool is_solving_ = false;                       // in a pilot
   std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
 };
 
 extern const KernelProgram kRadiosityProgram;
-inline constexpr std::uint32_t kRadiosityStages = (1u << kRadiosityStageCount) - 1u; // all
+// Kernels of what the settings ask for, in a scene of these features.
+KernelNeed radiosity_need(const KernelConfig& config, const RenderPlan& settings);
 
 // Reason why the scene cannot be rendered; empty if it can.
 std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene);

@@ -18,8 +18,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLightRays = 64;       // shadow rays of a face, at least one to every light
-constexpr std::uint32_t kLightDispatches = 16; // of shadow rays, before the render may be stopped
+constexpr std::uint32_t kLightRays = 64;      // shadow rays of a face, at least one to every light
+constexpr std::uint32_t kLightDispatches = 4; // of shadow rays, before the render may be stopped
 // Rays of a dispatch: on two cores of a CPU 2^15 take 30 ms.
 constexpr std::uint32_t kRaysOfCpu = 1u << 15, kRaysOfGpu = 1u << 20;
 

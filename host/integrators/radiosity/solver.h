@@ -36,7 +36,7 @@ class Solver {
 public:
   explicit Solver(Workspace& workspace) : workspace_(workspace) {}
 
-  // Whether cameras look the light of patches up. If not, a mesh has none.
+  // True if cameras look up the light of patches. Else a mesh has none.
   static bool is_looked_up(const RenderPlan& settings) { return settings.max_depth > (settings.gather ? 1u : 0u); }
 
   bool is_at_work() const { return work_.has_value(); }

@@ -89,7 +89,7 @@ struct OcclusionReport {
   FrameCost cost;
 };
 
-// What a technique of reflections found (--reflections), in samples of pixels that show a mirror.
+// Findings of a technique of reflections (--reflections), in samples of pixels that show a mirror.
 struct ReflectionReport {
   std::uint64_t asked = 0;    // all of them
   std::uint64_t answered = 0; // those for which the technique knows what the mirror shows

@@ -214,7 +214,7 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
                                      listed |= row.feature;
                                    }});
   std::erase_if(all, [&](const LeftOut& entry) { return (packed.features & entry.feature) != 0; });
-  // Without a feature: kernels cannot be given this code, whose bindings such a scene does not fill.
+  // These entries have no feature: the code has bindings that a scene without a volume does not fill.
   if (!(packed.features & gpu::kFeatureVoxels))
     all.push_back({"volume of voxels", "the scene has none"});
   else if (!(packed.features & gpu::kFeatureFire))

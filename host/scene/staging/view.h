@@ -41,8 +41,8 @@ struct View {
   double angle_limit = std::numbers::pi; // from the axis of a fisheye up to which it sees anything
   Clip clip{};                           // what camera rays see: along the view axis, in a panorama from the eye
   double eye_distance = 0.0;             // of a stereo pair, each eye with half of the picture; 0 = one eye
-  // Of the eye in world space, in units of the speed of light. The fields above are then those of the camera's own
-  // space, as if it had just come to rest. Neither orthographic nor of a stereo pair.
+  // Velocity of the eye in world space, in units of the speed of light. The fields above are then those of the camera's
+  // own space, as if it had just come to rest. Neither orthographic nor of a stereo pair.
   glm::dvec3 velocity{0.0};
 };
 
@@ -51,7 +51,7 @@ constexpr double kMostSpeed = 0.999999; // whose radiance straight ahead is 1414
 // Whether the kernels of this camera need kFeatureCameraModel.
 bool has_camera_model(const View& view);
 
-// Whether a picture of this camera can be rasterized: one eye at rest, and a plane, shifted or clipped or not.
+// True if a picture of this camera can be rasterized: one eye at rest, and a plane, shifted or clipped or not.
 bool is_rasterizable(const View& view);
 
 // The ray through a position in the picture, from the middle between the eyes; `direction` of any length. False where

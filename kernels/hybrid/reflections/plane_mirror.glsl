@@ -1,4 +1,4 @@
-// Whether a pixel of the frame shows a plane mirror. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES,
+// True if a pixel of the frame shows a plane mirror. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES,
 // BIND_HYBRID and BIND_VISIBILITY, and declare `reflection` first.
 #ifndef WAVEPATH_PLANE_MIRROR_GLSL
 #define WAVEPATH_PLANE_MIRROR_GLSL

@@ -1,4 +1,4 @@
-// What mirrors in a hybrid frame show of lit surfaces (--reflections).
+// Types of the kernels that find what mirrors in a hybrid frame show of lit surfaces (--reflections).
 #ifndef WAVEPATH_REFLECTION_TYPES_H
 #define WAVEPATH_REFLECTION_TYPES_H
 

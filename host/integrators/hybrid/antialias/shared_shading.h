@@ -1,4 +1,4 @@
-// What techniques refuse whose frames share shading.
+// Refusals of all techniques whose frames share shading.
 #pragma once
 
 #include <string>

@@ -106,20 +106,6 @@ void MapReflections::record_texels(Commands& commands, const gpu::Wave& wave) {
   commands.dispatch(kernels()[kMapAnswer], groups_for(wave.pixel_count), &wave);
 }
 
-void MapReflections::finish(WaveQueue& queue) {
-  const std::uint64_t most = pixels_a_slice_.next_frame();
-  const std::uint64_t pixels = std::uint64_t{context_.workspace.frame.width} * context_.workspace.frame.height;
-  for (std::uint64_t first = 0; first < pixels; first += most) {
-    gpu::Wave wave{};
-    wave.first_pixel = static_cast<std::uint32_t>(first);
-    wave.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels - first));
-    const auto record = [&](Commands& commands) {
-      commands.bind(bindings(0));
-      commands.dispatch(kernels()[kMapLookUp], groups_for(wave.pixel_count), &wave);
-    };
-    queue.submit(record, {.stage = kMapStageName,
-                          .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
-  }
-}
+void MapReflections::finish(WaveQueue& queue) { submit_pixels(queue, kMapLookUp, kMapStageName, pixels_a_slice_); }
 
 } // namespace wavepath

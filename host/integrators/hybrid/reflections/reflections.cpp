@@ -1,5 +1,7 @@
 #include "host/integrators/hybrid/reflections/reflections.h"
 
+#include <algorithm>
+
 #include "kernels/hybrid/hybrid_types.h"
 
 namespace wavepath {
@@ -34,6 +36,22 @@ void Reflections::change(const View&, const RenderPlan& settings, const KernelCo
   frame_buffer_.write(&frame_, sizeof(frame_));
   counts_.fill_zero();
   sets_ = bind_bands(context_.workspace, own);
+}
+
+void Reflections::submit_pixels(WaveQueue& queue, std::size_t kernel, const char* stage, SliceLength& length) {
+  const gpu::Frame& frame = context_.workspace.frame;
+  const std::uint64_t most = length.next_frame(), pixels = std::uint64_t{frame.width} * frame.height;
+  for (std::uint64_t first = 0; first < pixels; first += most) {
+    gpu::Wave wave{};
+    wave.first_pixel = static_cast<std::uint32_t>(first);
+    wave.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels - first));
+    const auto record = [&](Commands& commands) {
+      commands.bind(bindings(0));
+      commands.dispatch(kernels()[kernel], groups_for(wave.pixel_count), &wave);
+    };
+    queue.submit(record,
+                 {.stage = stage, .done = [&length](const Finished& finished) { length.note(finished.seconds); }});
+  }
 }
 
 ReflectionReport Reflections::report() const {

@@ -1,9 +1,10 @@
-// What all techniques of reflections share: settings and totals on the device, kernels and their bindings.
+// Base of all techniques of reflections: settings and totals on the device, kernels and their bindings.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "host/integrators/hybrid/raster/slices.h"
 #include "host/integrators/hybrid/reflections/technique.h"
 #include "kernels/hybrid/reflections/reflection_types.h"
 
@@ -26,6 +27,8 @@ protected:
 
   // Bindings of its own, behind the shared ones. Called by change(), which then sends frame_.
   virtual void add_bindings(std::vector<Binding>& bindings) { static_cast<void>(bindings); }
+  // Submits a kernel over all pixels of the frame, in slices of that length, which it adapts.
+  void submit_pixels(WaveQueue& queue, std::size_t kernel, const char* stage, SliceLength& length);
   const KernelSet& kernels() { return context_.kernels.best(need_); }
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
   const Buffer& frame_buffer() const { return frame_buffer_; } // gpu::ReflectionFrame

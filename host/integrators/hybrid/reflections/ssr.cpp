@@ -59,18 +59,7 @@ public:
 
   void finish(WaveQueue& queue) override {
     queue.submit([this](Commands& commands) { record_levels(commands); }, {.stage = kScreenStageName});
-    const std::uint64_t most = pixels_a_slice_.next_frame(), pixels = levels_.front().cells();
-    for (std::uint64_t first = 0; first < pixels; first += most) {
-      gpu::Wave wave{};
-      wave.first_pixel = static_cast<std::uint32_t>(first);
-      wave.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels - first));
-      const auto record = [&](Commands& commands) {
-        commands.bind(bindings(0));
-        commands.dispatch(kernels()[kMarch], groups_for(wave.pixel_count), &wave);
-      };
-      queue.submit(record, {.stage = kScreenStageName,
-                            .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
-    }
+    submit_pixels(queue, kMarch, kScreenStageName, pixels_a_slice_);
   }
 
   std::uint64_t bytes() const override { return Reflections::bytes() + nearness_.bytes(); }
