@@ -64,12 +64,12 @@ std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene
 const KernelProgram kRadiosityProgram = {kStages, kCompileOrder, layout};
 
 KernelNeed radiosity_need(const KernelConfig& config, const RenderPlan& settings) {
-  std::uint32_t stages = stage_bits({kPatchMeasure, kSee});
+  std::uint32_t stages = 1u << kPatchMeasure | 1u << kSee;
   if (Solver::is_looked_up(settings)) {
-    stages |= stage_bits({kShoot});
-    if (config.features & (gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment)) stages |= stage_bits({kPatchLight});
+    stages |= 1u << kShoot;
+    if (config.features & (gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment)) stages |= 1u << kPatchLight;
   }
-  stages |= gathers(settings) ? stage_bits({kGatherDirect, kGatherOther}) : stage_bits({kInterpolate});
+  stages |= gathers(settings) ? 1u << kGatherDirect | 1u << kGatherOther : 1u << kInterpolate;
   return {&kRadiosityProgram, stages, config};
 }
 
