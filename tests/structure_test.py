@@ -269,6 +269,17 @@ class Structure(unittest.TestCase):
                 with self.subTest(file=name(path)):
                     self.assertNotRegex(path.read_text(), r"\bVk[A-Z]\w+|\bvk[A-Z]\w+\(|\bVK_[A-Z]+_")
 
+    def test_long_cases_exist(self):
+        """One that is misspelled would run among the short ones, unseen."""
+        lists = re.findall(r"set\(long_(\w+)\s+([^)]*)\)", (ROOT / "tests/CMakeLists.txt").read_text())
+        subjects = dict((subject, cases.split()) for subject, cases in lists if subject not in ("subjects", "tests"))
+        self.assertEqual(set(subjects), set(dict(lists)["subjects"].split()))
+        for subject, cases in subjects.items():
+            known = re.findall(r"^TEST(?:_F|_P)?\(\w+, (\w+)\)", (ROOT / f"tests/{subject}_test.cpp").read_text(), re.M)
+            with self.subTest(subject=subject):
+                self.assertEqual(set(cases) - set(known), set())
+                self.assertGreater(len(known), len(cases))
+
     def test_every_file_begins_with_its_job(self):
         """x.cpp may leave that to x.h."""
         for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
