@@ -221,9 +221,9 @@ void resolve_settings(const SceneRequest& scene, RenderRequest& request) {
   check_volume(scene.volume);
   check_catcher(scene, request.settings);
   resolve_samples(request);
-  resolve_integrator(request); // by the samples
+  resolve_integrator(request);            // by the samples
+  check_shutter(scene, request.settings); // which the integrator's own check asks about
   check_integrator(request);
-  check_shutter(scene, request.settings);
   check_camera(scene.view, request.settings);
   check_crop(request.settings);
   resolve_strict(request);

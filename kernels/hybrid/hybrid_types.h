@@ -20,6 +20,7 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, fraction of light they let pass
 GPU_CONSTANT uint kBindReflections = 131u; // storage vec4[] (kHybridReflections): what mirrors show of lit surfaces
+GPU_CONSTANT uint kBindVelocities = 155u;  // storage vec2[]: pixels that a surface passes while the shutter is open
 // Several frames see a pixel at one position each and share shading (kHybridMultisample): that of up to kSharedColors
 // triangles. One picture a triangle: its name as in kBindVisibility, and kBindSeen and kBindSignals of the frame that
 // shaded it.

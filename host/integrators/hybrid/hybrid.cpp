@@ -11,6 +11,7 @@
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
+#include "host/integrators/hybrid/motion_blur.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/occlusion/screen_space.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
@@ -31,6 +32,7 @@
 #include "kernels/hybrid/occlusion_query.spv.h"
 #include "kernels/hybrid/resolve.spv.h"
 #include "kernels/hybrid/share_shading.spv.h"
+#include "kernels/hybrid/velocity.spv.h"
 
 namespace wavepath {
 namespace {
@@ -41,16 +43,17 @@ constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // pixels of a dispatch: some tens of milliseconds on two cores
 
-enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
+enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kVelocity, kComposite, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {
     {{"jitter", wavepath_jitter_spv},
      {"resolve", wavepath_resolve_spv},
      {"occlusion", wavepath_occlusion_spv, {}, wavepath_occlusion_query_spv},
      {"gather", wavepath_gather_spv},
      {"share shading", wavepath_share_shading_spv},
+     {"velocity", wavepath_velocity_spv},
      {"composite", wavepath_composite_spv}}};
-constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
-                                                                kGather,    kShare,   kJitter};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve,  kComposite, kGather,
+                                                                kShare,     kVelocity, kJitter};
 
 enum OwnBuffer : std::size_t {
   kFrame,
@@ -61,11 +64,13 @@ enum OwnBuffer : std::size_t {
   kColorIds,
   kColorSeen,
   kColorSignals,
-  kReflected
+  kReflected,
+  kVelocities
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
-                        kCapacityForReflections = 1u << 2; // bits of BufferDimensions::options
+                        kCapacityForReflections = 1u << 2,
+                        kCapacityForVelocities = 1u << 3; // bits of BufferDimensions::options
 
 std::uint64_t shared_colors(const BufferDimensions& e) {
   return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
@@ -100,6 +105,9 @@ const std::vector<BufferRule> kHybridRules = {
     {"reflections",
      [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindReflections, BindingKind::storage}}},
+    {"velocities",
+     [](const BufferDimensions& e) { return e.options & kCapacityForVelocities ? e.pixels * sizeof(gpu::vec2) : 0; },
+     {{gpu::kBindVelocities, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -146,6 +154,7 @@ std::uint32_t stages_of(const RenderPlan& settings) {
   if (traces_occlusion(settings)) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   if (flags & gpu::kHybridMultisample) stages |= 1u << kShare;
+  if (blurs_motion(settings)) stages |= 1u << kVelocity;
   return stages;
 }
 
@@ -181,6 +190,7 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   if (kShadingModels.find(settings)) refuse("--shading");
   if (settings.antialias != 0) refuse("--antialias");
   if (has_lens(settings)) refuse("--aperture");
+  if (blurs_motion(settings)) refuse("--shutter");
   if (settings.denoise != kDenoiseOff) refuse("--denoise");
 }
 
@@ -206,6 +216,7 @@ struct Hybrid::Filters { // null = not wanted
   std::unique_ptr<Taa> taa;
   std::unique_ptr<FrameFilter> each; // by itself
   std::unique_ptr<Defocus> defocus;
+  std::unique_ptr<MotionBlur> motion_blur;
 };
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
@@ -243,7 +254,7 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far + (reflects() ? static_cast<float>(2.0 * scene.radius) : 0.0f); // seen in a mirror
-  rasterizes_ = refracts() || (is_rasterizable(view) &&
+  rasterizes_ = refracts() || (is_rasterizable(view) && !blurs_motion(settings) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
@@ -264,13 +275,15 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   if (const ReflectionKind* kind = kReflectionTechniques.find(settings_); kind && kind->traces)
     path_stages |= stage_bits({kExtend});
   const std::uint32_t options =
-      lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) ? kCapacityForSeen : 0;
+      lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) || blurs_motion(settings_)
+          ? kCapacityForSeen
+          : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
-  moved |=
-      buffers_.fit({.pixels = workspace_.film.pixels(),
-                    .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
-                               (reflects() ? kCapacityForReflections : 0)});
+  moved |= buffers_.fit(
+      {.pixels = workspace_.film.pixels(),
+       .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
+                  (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -368,7 +381,7 @@ bool Hybrid::filters_frames() const {
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, TemporalHistory history) {
   const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
-                              (has_lens(settings_) ? 4u : 0u) |
+                              (has_lens(settings_) ? 4u : 0u) | (blurs_motion(settings_) ? 1u << 16 : 0u) |
                               (filters_frames() ? 8u * (1u + settings_.antialias) : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
@@ -390,6 +403,8 @@ Hybrid::Filters Hybrid::make_filters() {
     filters.each = std::make_unique<FrameFilter>(device, kAntialiasTechniques.find(settings_)->passes, width, height,
                                                  gbuffer, seen);
   if (has_lens(settings_)) filters.defocus = std::make_unique<Defocus>(device, width, height, gbuffer, seen);
+  if (blurs_motion(settings_))
+    filters.motion_blur = std::make_unique<MotionBlur>(device, width, height, gbuffer, buffers_[kVelocities], seen);
   if (joins_frames(settings_)) filters.taa = std::make_unique<Taa>(device, width, height, gbuffer, seen);
   return filters;
 }
@@ -413,7 +428,8 @@ std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
          (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
          (filters_->each ? filters_->each->bytes() : 0) + (filters_->defocus ? filters_->defocus->bytes() : 0) +
-         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
+         (filters_->motion_blur ? filters_->motion_blur->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
+         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
          (reflections_ ? reflections_->bytes() : 0);
 }
 
@@ -537,13 +553,14 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
-  if (multisamples()) share_shading(queue);
+  if (multisamples()) for_all_pixels(queue, kShare, {.timed_dispatches = 1});
   if (reflections_ && !piloting_) reflections_->finish(queue);
   if (layers_ && !refracts()) layers_->render(queue);
   if (Denoiser* denoiser = filters_->denoiser.get())
     queue.submit([&](Commands& commands) { denoiser->record(commands, camera_); },
                  {.timed_dispatches = denoiser->dispatches()});
-  const bool filters_edges = filters_->taa || filters_->each, filters = filters_edges || filters_->defocus;
+  const bool filters_edges = filters_->taa || filters_->each,
+             filters = filters_edges || filters_->defocus || filters_->motion_blur;
   if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
@@ -553,11 +570,12 @@ void Hybrid::end_pass(WaveQueue& queue) {
     if (!filters) return;
   }
   if (filters_->defocus) spread_spots(queue);
+  if (filters_->motion_blur) blur_motion(queue);
   if (filters_edges) antialias(queue);
   composite(queue, again);
 }
 
-void Hybrid::share_shading(WaveQueue& queue) {
+void Hybrid::for_all_pixels(WaveQueue& queue, std::size_t stage, const WaveQueue::Work& work) {
   const KernelSet& kernels = kernels_.best(need_);
   const std::uint32_t pixels = settings_.width * settings_.height;
   for (std::uint32_t first = 0; first < pixels; first += kCompositePixels) {
@@ -566,9 +584,9 @@ void Hybrid::share_shading(WaveQueue& queue) {
     wave.pixel_count = std::min(kCompositePixels, pixels - first);
     const auto record = [&](Commands& commands) {
       commands.bind(*sets_.front());
-      commands.dispatch(kernels[kShare], groups_for(wave.pixel_count), &wave);
+      commands.dispatch(kernels[stage], groups_for(wave.pixel_count), &wave);
     };
-    queue.submit(record, {.timed_dispatches = 1});
+    queue.submit(record, work);
   }
 }
 
@@ -584,6 +602,21 @@ void Hybrid::spread_spots(WaveQueue& queue) {
                       std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
     };
     queue.submit(spread, {.stage = kDefocusStage});
+  }
+}
+
+void Hybrid::blur_motion(WaveQueue& queue) {
+  MotionBlur& blur = *filters_->motion_blur;
+  for_all_pixels(queue, kVelocity, {.stage = kMotionBlurStage});
+  queue.submit([&](Commands& commands) { blur.record_tiles(commands); }, {.stage = kMotionBlurStage});
+  for (std::uint32_t band = 0; band < blur.bands(); ++band) {
+    const auto record = [&](Commands& commands) {
+      blur.record_blur(commands, band);
+      if (band + 1 == blur.bands())
+        commands.copy(blur.result(), paths_.buffers[kSeen],
+                      std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+    };
+    queue.submit(record, {.stage = kMotionBlurStage});
   }
 }
 

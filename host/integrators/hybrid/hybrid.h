@@ -89,10 +89,12 @@ private:
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   // `shadows`: null = all shadows are traced.
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows);
-  void share_shading(WaveQueue& queue);
+  // By a kernel of one lane a pixel, row by row.
+  void for_all_pixels(WaveQueue& queue, std::size_t stage, const WaveQueue::Work& work);
   void composite(WaveQueue& queue, std::uint32_t flags);
   bool filters_frames() const;         // true if each frame is filtered by itself, for smooth edges
   void spread_spots(WaveQueue& queue); // of a lens
+  void blur_motion(WaveQueue& queue);  // while the shutter is open
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 
