@@ -207,6 +207,7 @@ void check_integrator(const RenderRequest& request) {
   };
   if (splits && settings.denoise != kDenoiseOff && !denoises_film(settings)) refuse_history("--denoise");
   if (splits && settings.antialias == kAntialiasTaaName) refuse_history("--antialias taa");
+  if (splits && settings.antialias == kAntialiasUpscaleName) refuse_history("--antialias upscale");
   if (request.strict && denoises_film(settings))
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
   if (settings.denoise != kDenoiseOidn) return;

@@ -36,7 +36,7 @@ GPU_CHECK(sizeof(Reprojection) == 144);
 // workgroup, row-major.
 struct FilterBand {
   uint first_tile;
-  uint step; // a-trous: from one tap to the next, in pixels
+  uint step; // a-trous: from one tap to the next, in pixels; upscaling: place of the frame in 2x2 pixels, row by row
 };
 GPU_CONSTANT uint kFilterTile = 8u;
 GPU_CHECK(kFilterTile* kFilterTile == kWorkgroupSize);

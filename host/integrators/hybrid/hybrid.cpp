@@ -25,6 +25,7 @@
 #include "host/scene/pack/features.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
+#include "kernels/hybrid/antialias/add_upscaled.spv.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -43,7 +44,17 @@ constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // pixels of a dispatch: some tens of milliseconds on two cores
 
-enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kVelocity, kComposite, kStageCount };
+enum Stage : std::size_t {
+  kJitter,
+  kResolve,
+  kOcclusion,
+  kGather,
+  kShare,
+  kVelocity,
+  kComposite,
+  kAddUpscaled,
+  kStageCount
+};
 const std::array<KernelCode, kStageCount> kStages = {
     {{"jitter", wavepath_jitter_spv},
      {"resolve", wavepath_resolve_spv},
@@ -51,9 +62,10 @@ const std::array<KernelCode, kStageCount> kStages = {
      {"gather", wavepath_gather_spv},
      {"share shading", wavepath_share_shading_spv},
      {"velocity", wavepath_velocity_spv},
-     {"composite", wavepath_composite_spv}}};
-constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve,  kComposite, kGather,
-                                                                kShare,     kVelocity, kJitter};
+     {"composite", wavepath_composite_spv},
+     {"add upscaled", wavepath_add_upscaled_spv}}};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kAddUpscaled,
+                                                                kGather,    kShare,   kVelocity,  kJitter};
 
 enum OwnBuffer : std::size_t {
   kFrame,
@@ -131,6 +143,18 @@ bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
 }
 
+bool upscales(const RenderPlan& settings) { return kAntialiasTechniques.find(settings)->halves; }
+
+// The view of frames of half the size, and that size in the settings. Of an odd size, the last pixels reach beyond the
+// picture: so do the sides of the view, about the same middle.
+void halve(View& view, RenderPlan& settings) {
+  const glm::uvec2 whole(settings.width, settings.height);
+  settings.width = (whole.x + 1) / 2;
+  settings.height = (whole.y + 1) / 2;
+  view.right *= 2.0 * settings.width / whole.x;
+  view.up *= 2.0 * settings.height / whole.y;
+}
+
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
@@ -155,6 +179,7 @@ std::uint32_t stages_of(const RenderPlan& settings) {
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   if (flags & gpu::kHybridMultisample) stages |= 1u << kShare;
   if (blurs_motion(settings)) stages |= 1u << kVelocity;
+  if (upscales(settings)) stages |= 1u << kAddUpscaled;
   return stages;
 }
 
@@ -231,9 +256,14 @@ Hybrid::~Hybrid() = default;
 void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
   refuse_lobes(workspace_.scene, kHybridLacks, settings.integrator->name);
   if (has_camera_model(view)) refuse_what_is_not_traced(settings, view);
+  shown_ = {view.shift, view.clip};
+  shown_size_ = {settings.width, settings.height};
+  shown_camera_ = camera_of(workspace_.scene, view);
   settings_ = settings;
-  make_frame(view, settings, history);
-  allocate(view, history);
+  View seen = view;
+  if (upscales(settings)) halve(seen, settings_);
+  make_frame(seen, settings_, history);
+  allocate(seen, history);
 }
 
 void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHistory history) {
@@ -241,8 +271,8 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const glm::vec3 ambient = history == TemporalHistory::keep ? frame_.ambient : glm::vec3(0.0f);
   knows_ambient_ = history == TemporalHistory::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
-  shown_ = {view.shift, view.clip};
   frame_ = {};
+  frame_.film_width = shown_size_.x, frame_.film_height = shown_size_.y;
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   next_sample_ = gpu::kNone;
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
@@ -261,6 +291,12 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   gpu::Frame& shared = workspace_.frame;
   const bool mips = uses_mips(settings) && (scene.features & gpu::kFeatureMips);
   shared.pixel_spread = mips ? cone_width(view, settings) : 0.0f;
+  if (upscales(settings)) {
+    set_camera(view, scene.origin, shared);
+    shared.width = shared.film_width = settings.width;
+    shared.height = shared.film_height = settings.height;
+    shared.pixel_spread *= 0.5f; // textures of the picture's pixels
+  }
   shared.max_depth = std::min(settings.max_depth, 1u); // the rest is the ambient term's
   shared.sample_total = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
@@ -278,7 +314,9 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
       lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) || blurs_motion(settings_)
           ? kCapacityForSeen
           : 0;
-  bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
+  RenderPlan of_film = settings_; // it fits the film, and `seen` for every pixel of that
+  of_film.width = shown_size_.x, of_film.height = shown_size_.y;
+  bool moved = paths_.change(of_film, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit(
       {.pixels = workspace_.film.pixels(),
@@ -382,9 +420,9 @@ bool Hybrid::filters_frames() const {
 void Hybrid::remake_filters(bool moved, TemporalHistory history) {
   const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
                               (has_lens(settings_) ? 4u : 0u) | (blurs_motion(settings_) ? 1u << 16 : 0u) |
-                              (filters_frames() ? 8u * (1u + settings_.antialias) : 0u);
-  const glm::uvec4 made_for =
-      which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
+                              (filters_frames() ? 8u * (1u + settings_.antialias) : 0u) |
+                              (upscales(settings_) ? 1u << 17 : 0u);
+  const glm::uvec4 made_for = which ? glm::uvec4(shown_size_, frame_.flags, which) : glm::uvec4(0);
   if (moved) filters_.reset();
   const bool made = filters_.keep(made_for, [&] { return std::make_unique<Filters>(make_filters()); });
   if (made || history == TemporalHistory::keep) return;
@@ -405,7 +443,9 @@ Hybrid::Filters Hybrid::make_filters() {
   if (has_lens(settings_)) filters.defocus = std::make_unique<Defocus>(device, width, height, gbuffer, seen);
   if (blurs_motion(settings_))
     filters.motion_blur = std::make_unique<MotionBlur>(device, width, height, gbuffer, buffers_[kVelocities], seen);
-  if (joins_frames(settings_)) filters.taa = std::make_unique<Taa>(device, width, height, gbuffer, seen);
+  if (joins_frames(settings_))
+    filters.taa = std::make_unique<Taa>(device, shown_size_.x, shown_size_.y, gbuffer, seen,
+                                        kAntialiasTechniques.find(settings_)->joining());
   return filters;
 }
 
@@ -453,6 +493,17 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
   return jitters_[sample - first_jitter_];
 }
 
+// From the position in a pixel of the picture to that in a pixel of the frame, which are squares of 2x2 pixels. Their
+// places take turns, the second one across from the first.
+glm::vec2 Hybrid::jitter_of_half(glm::vec2 jitter, std::uint32_t sample) {
+  constexpr std::uint32_t kPlaces[] = {0, 3, 1, 2};
+  place_ = kPlaces[sample % 4];
+  shown_camera_.jitter_x = jitter.x;
+  shown_camera_.jitter_y = jitter.y;
+  const glm::vec2 beyond = 2.0f * glm::vec2(settings_.width, settings_.height) - glm::vec2(shown_size_); // see halve()
+  return 0.5f * (glm::vec2(place_ & 1, place_ >> 1) + 0.5f + jitter) - 0.5f + 0.25f * beyond;
+}
+
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
   if (multisamples()) {
@@ -461,6 +512,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
     next_sample_ = sample + 1;
   }
   frame_.jitter = jitter(queue, sample);
+  if (upscales(settings_)) frame_.jitter = jitter_of_half(frame_.jitter, sample);
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
   visibility_->render(queue, camera_, prepare, shown_);
   if (multisamples()) {
@@ -507,7 +559,24 @@ gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_entry, std::uin
                         band.first_pixel);
 }
 
-void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+// Index in the frame of a pixel of the film, both in tile order: the same, but for frames of half the size. Those are
+// cut where the film is, in proportion.
+std::uint32_t Hybrid::frame_index(std::uint32_t film_index) const {
+  const std::uint64_t pixels = std::uint64_t{settings_.width} * settings_.height,
+                      whole = std::uint64_t{shown_size_.x} * shown_size_.y;
+  return static_cast<std::uint32_t>(film_index * pixels / whole);
+}
+
+gpu::Wave Hybrid::wave_of_frame(gpu::Wave wave) const {
+  const std::uint32_t end = frame_index(wave.first_pixel + wave.pixel_count);
+  wave.first_pixel = frame_index(wave.first_pixel);
+  wave.pixel_count = end - wave.first_pixel;
+  return wave;
+}
+
+void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& film_wave) {
+  const gpu::Wave wave = wave_of_frame(film_wave);
+  if (wave.pixel_count == 0) return;
   const KernelSet& kernels = kernels_.best(need_);
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kResolve], groups_for(wave.pixel_count), &wave);
@@ -572,6 +641,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (filters_->defocus) spread_spots(queue);
   if (filters_->motion_blur) blur_motion(queue);
   if (filters_edges) antialias(queue);
+  if (upscales(settings_)) return add_to_film(queue, kAddUpscaled, frame_.flags);
   composite(queue, again);
 }
 
@@ -623,17 +693,19 @@ void Hybrid::blur_motion(WaveQueue& queue) {
 void Hybrid::antialias(WaveQueue& queue) {
   const auto record = [&, taa = filters_->taa.get(), each = filters_->each.get()](Commands& commands) {
     if (taa)
-      taa->record(commands, camera_);
+      taa->record(commands, upscales(settings_) ? shown_camera_ : camera_, place_);
     else
       each->record(commands);
     commands.copy(taa ? taa->result() : each->result(), paths_.buffers[kSeen],
-                  std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+                  std::uint64_t{shown_size_.x} * shown_size_.y * sizeof(glm::vec4));
   };
   queue.submit(record, {.stage = kAntialiasStage});
   queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
 }
 
-void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
+void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) { add_to_film(queue, kComposite, flags); }
+
+void Hybrid::add_to_film(WaveQueue& queue, std::size_t stage, std::uint32_t flags) {
   const KernelSet& kernels = kernels_.best(need_);
   gpu::HybridFrame frame = frame_;
   frame.flags = flags;
@@ -646,8 +718,9 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
       commands.bind(*sets_[i]);
       for (std::uint32_t done = 0; done < band.pixel_count; done += kCompositePixels) {
         const std::uint32_t count = std::min(kCompositePixels, band.pixel_count - done);
-        const gpu::Wave wave{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
-        commands.dispatch(kernels[kComposite], groups_for(count), &wave);
+        const gpu::Wave of_film{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
+        const gpu::Wave wave = stage == kAddUpscaled ? of_film : wave_of_frame(of_film);
+        if (wave.pixel_count > 0) commands.dispatch(kernels[stage], groups_for(wave.pixel_count), &wave);
       }
     };
     queue.submit(record, {.timed_dispatches = (band.pixel_count + kCompositePixels - 1) / kCompositePixels});
@@ -658,7 +731,7 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
 std::optional<Pilot> Hybrid::pilot() {
   if (!lights() || settings_.ambient || !ambient() || knows_ambient_) return std::nullopt;
   Pilot pilot{.segments = {}, .samples = 1, .seed = kAmbientPilotSeed};
-  const std::uint32_t width = settings_.width, height = settings_.height, pixels = width * height;
+  const std::uint32_t width = settings_.width, height = settings_.height, pixels = shown_size_.x * shown_size_.y;
   const std::uint32_t blocks = std::max(std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock, 1u);
   const std::vector<FilmBand>& bands = workspace_.film.bands();
   pilot_pixels_.clear();
@@ -668,7 +741,7 @@ std::optional<Pilot> Hybrid::pilot() {
         bands, [&](const FilmBand& b) { return first >= b.first_pixel && first - b.first_pixel < b.pixel_count; });
     const std::uint32_t end = std::min(first + kPilotBlock, band->first_pixel + band->pixel_count);
     pilot.segments.push_back({static_cast<std::size_t>(band - bands.begin()), first, end - first, 0});
-    for (std::uint32_t pixel = first; pixel < end; ++pixel) {
+    for (std::uint32_t pixel = frame_index(first); pixel < frame_index(end); ++pixel) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
       pilot_pixels_.push_back(at.y * width + at.x);
     }

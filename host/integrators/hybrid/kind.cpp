@@ -16,6 +16,7 @@
 #include "host/integrators/hybrid/rows.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/hybrid/transparency/layers.h"
 #include "host/render/render.h"
@@ -140,7 +141,8 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) +
          (has_lens(settings) ? Defocus::bytes_per_pixel() : 0) +
-         (blurs_motion(settings) ? MotionBlur::bytes_per_pixel() : 0) + layer_bytes(settings) +
+         (blurs_motion(settings) ? MotionBlur::bytes_per_pixel() : 0) +
+         (kAntialiasTechniques.find(settings)->over_time ? Taa::bytes_per_pixel() : 0) + layer_bytes(settings) +
          shared_color_bytes(settings) + reflection_bytes(settings);
 }
 
