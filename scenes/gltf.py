@@ -246,6 +246,22 @@ class Gltf:
         node = self.doc["nodes"][self.node(**properties)]
         self.extend(node, KHR_lights_punctual={"light": len(lights) - 1})
 
+    def animate(self, name, node, path, keys):
+        """Adds a channel to the animation of that name. `path`: translation, rotation or scale of the node; `keys`:
+        seconds and value of each."""
+        animations = self.doc.setdefault("animations", [])
+        animation = next((a for a in animations if a["name"] == name), None)
+        if not animation:
+            animation = {"name": name, "channels": [], "samplers": []}
+            animations.append(animation)
+        times, values = zip(*sorted(keys.items()))
+        seconds = self.accessor([(float(t),) for t in times], "SCALAR")
+        self.doc["accessors"][seconds].update(min=[float(times[0])], max=[float(times[-1])])
+        output = self.accessor(values, "VEC4" if path == "rotation" else "VEC3")
+        animation["samplers"].append({"input": seconds, "output": output, "interpolation": "LINEAR"})
+        animation["channels"].append(
+            {"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}})
+
     def luminaire(self, text, color=(1.0, 1.0, 1.0), multiplier=1.0, position=(0.0, 0.0, 0.0), rotation=None):
         """A lamp of EXT_lights_ies; `text`: the file of its profile; `rotation`: quaternion."""
         lights = self.doc.setdefault("extensions", {}).setdefault("EXT_lights_ies", {"lights": []})["lights"]

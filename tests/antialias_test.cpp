@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
@@ -274,6 +275,117 @@ TEST_F(AntialiasTest, TaaTendsToSupersampling) {
   EXPECT_LT(many, 0.25 * none);
 }
 
+// A square for each pixel, whose light has no order.
+Scene mosaic() {
+  constexpr int kKinds = 8;
+  Scene scene = half_plane(0.0f, 200.0f);
+  std::vector<std::vector<glm::vec3>> squares(kKinds);
+  std::uint32_t random = 1;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      random = random * 1664525u + 1013904223u;
+      const auto square = rectangle({x + 0.5f - kSide / 2, y + 0.5f - kSide / 2, 1}, {0.5f, 0, 0}, {0, 0.5f, 0});
+      auto& kind = squares[random >> 29];
+      kind.insert(kind.end(), square.begin(), square.end());
+    }
+  for (int i = 0; i < kKinds; ++i) {
+    Material material = plain_material();
+    material.emission = glm::vec3(1.0f + static_cast<float>(i));
+    scene.materials.push_back(material);
+    add_instance(scene, add_mesh(scene, squares[i], static_cast<std::uint32_t>(i + 1)));
+  }
+  return scene;
+}
+
+// A box filter stays within its pixel, so that every frame of whole size is the same picture; from the fourth one on,
+// upscaled frames are it.
+TEST_F(AntialiasTest, UpscalingOfAStillCameraTendsToTheWholePicture) {
+  const Scene scene = mosaic();
+  const std::vector<float> whole = light(scene, antialias_settings("filter", 1));
+  ASSERT_EQ(whole, light(scene, antialias_settings("filter", 4)));
+  const std::vector<float> one = light(scene, antialias_settings("upscale", 1)),
+                           four = light(scene, antialias_settings("upscale", 4)),
+                           twelve = light(scene, antialias_settings("upscale", 12));
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    ASSERT_NEAR((12 * twelve[i] - 4 * four[i]) / 8, whole[i], 1e-4) << i;
+    ASSERT_LE(std::abs(twelve[i] - whole[i]), 3.0f / 12 * 7) << i;
+    seen += one[i] == whole[i];
+  }
+  EXPECT_GE(seen, whole.size() / 4);
+  EXPECT_LT(seen, whole.size() / 2);
+}
+
+// Every fourth pixel is seen and shaded, whatever the size.
+TEST_F(AntialiasTest, UpscalingShadesAQuarterOfThePixels) {
+  Scene scene = half_plane(0.0f, 200.0f);
+  scene.materials[0].emission = glm::vec3(0.0f);
+  scene.lights.push_back(lamp({3.0, 2.0, 1.5}));
+  for (const std::uint32_t side : {48u, 37u}) {
+    const auto shadow_rays = [&](const char* name) {
+      RenderPlan settings = antialias_settings(name, 4);
+      settings.width = settings.height = side;
+      settings.max_depth = 1;
+      settings.direct = gpu::kDirectNee;
+      return render(scene, settings).rays.shadow;
+    };
+    EXPECT_EQ(shadow_rays("filter"), 4 * side * side);
+    EXPECT_EQ(shadow_rays("upscale"), 4 * ((side + 1) / 2) * ((side + 1) / 2));
+  }
+}
+
+// Pixels by which a picture lies to the right of another one, and below it: by least squares from the slopes of that.
+glm::dvec2 shift_between(const std::vector<float>& a, const std::vector<float>& b, int width, int height) {
+  glm::dvec2 sum(0.0), squares(0.0);
+  for (int y = 2; y + 2 < height; ++y)
+    for (int x = 2; x + 2 < width; ++x) {
+      const int i = y * width + x;
+      const glm::dvec2 slope = 0.5 * glm::dvec2(a[i + 1] - a[i - 1], a[i + width] - a[i - width]);
+      sum += static_cast<double>(a[i] - b[i]) * slope;
+      squares += slope * slope;
+    }
+  return sum / squares;
+}
+
+// Light of odd and even sizes lies where it lies in a whole frame. The frames that see a pixel have its positions, but
+// for a few of them, so that their mean may be a tenth of a pixel away.
+TEST_F(AntialiasTest, UpscaledFramesShowTheSameView) {
+  Scene scene = half_plane(0.0f, 200.0f);
+  scene.materials[0].emission = glm::vec3(0.0f);
+  scene.lights.push_back(lamp({3.0, 2.0, 9.5}));
+  for (const int side : {48, 37})
+    for (const std::uint32_t first_hit : {kFirstHitTraced, kFirstHitRaster}) {
+      const auto picture = [&](const char* name) {
+        RenderPlan settings = antialias_settings(name, 32);
+        settings.width = side, settings.height = side + 3;
+        settings.max_depth = 1;
+        settings.direct = gpu::kDirectNee;
+        settings.first_hit = first_hit;
+        return light(scene, settings);
+      };
+      const glm::dvec2 shift = shift_between(picture("filter"), picture("upscale"), side, side + 3);
+      EXPECT_NEAR(shift.x, 0.0, 0.1) << side;
+      EXPECT_NEAR(shift.y, 0.0, 0.1) << side;
+    }
+}
+
+// What else filters frames does so before: all of it keeps one colour.
+TEST_F(AntialiasTest, UpscalingGoesWithOtherFilters) {
+  Scene scene = half_plane(0.0f, 200.0f);
+  const auto expect_one = [&](const Scene& shown, const std::function<void(RenderPlan&)>& change) {
+    RenderPlan settings = antialias_settings("upscale", 5);
+    change(settings);
+    for (const float value : light(shown, settings)) ASSERT_NEAR(value, 1.0f, 1e-5f);
+  };
+  expect_one(scene, [](RenderPlan& s) { s.denoise = kDenoiseOn; });
+  expect_one(scene, [](RenderPlan& s) { s.lens = {.aperture = 0.5, .focus = 3.0}; });
+  expect_one(scene, [](RenderPlan& s) { s.transparency = 1; });
+  Mesh& mesh = scene.meshes[0];
+  mesh.end_positions = mesh.positions;
+  for (glm::vec3& p : mesh.end_positions) p.x += 9.0f;
+  expect_one(scene, [](RenderPlan& s) { s.moving = true; });
+}
+
 TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
   const Scene scene = half_plane(0.125f, 0.5f);
   const auto error_of = [&](const char* name) {
@@ -304,6 +416,7 @@ TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
 TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   expect_names_of_own(kAntialiasTechniques);
   EXPECT_EQ(kAntialiasTechniques.names()[kAntialiasTaaName], "taa");
+  EXPECT_EQ(kAntialiasTechniques.names()[kAntialiasUpscaleName], "upscale");
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("supersample", 16)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("msaa", 8)));
@@ -312,6 +425,10 @@ TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   EXPECT_THROW(check_antialias_settings(antialias_settings("csaa", 8)), UsageError);
   RenderPlan settings = antialias_settings("msaa", 4);
   settings.target_error = 0.1;
+  EXPECT_THROW(check_antialias_settings(settings), UsageError);
+  settings = antialias_settings("upscale", 3);
+  EXPECT_NO_THROW(check_antialias_settings(settings));
+  settings.aovs = {"depth"};
   EXPECT_THROW(check_antialias_settings(settings), UsageError);
   settings = antialias_settings("none");
   settings.filter = gpu::kFilterGaussian;

@@ -1,11 +1,13 @@
 // The filters over time, on pictures whose truth is known: noise is removed, edges and values without noise stay, the
 // history moves with the camera.
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
 #include <vector>
 
+#include "host/integrators/hybrid/antialias/kinds.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/taa.h"
 #include "kernels/hybrid/filter_types.h"
@@ -609,6 +611,140 @@ TEST_F(TaaTest, AfterACutThereIsOnlyThisFrame) {
     taa_->forget();
     const Signals in = pattern(shot), out = join(shot, view, in);
     for (std::size_t i = 0; i < in.size(); ++i) EXPECT_EQ(out[i], vec4(vec3(in[i]), 1.0f));
+  }
+}
+
+// ---- temporal upscaling
+// -------------------------------------------------------------------------------------------
+
+constexpr std::array<std::uint32_t, 4> kPlaces = {0, 3, 1, 2}; // in squares of 2x2 pixels, row by row
+
+// Frames see one pixel of each square.
+class UpscaleTest : public VulkanTest {
+protected:
+  void begin(std::uint32_t width, std::uint32_t height) {
+    upscale_.reset();
+    half_ = glm::uvec2(width + 1, height + 1) / 2u;
+    gbuffer_ = Buffer(device(), std::uint64_t{half_.x} * half_.y * sizeof(GbufferPixel));
+    color_ = Buffer(device(), std::uint64_t{half_.x} * half_.y * sizeof(vec4));
+    upscale_ = std::make_unique<Taa>(device(), width, height, gbuffer_, color_, kAntialiasUpscale.joining());
+  }
+  // `shot` and `color` are of all pixels.
+  Signals join(const Shot& shot, const CameraView& view, const Signals& color, std::uint32_t place) {
+    std::vector<GbufferPixel> gbuffer;
+    Signals seen;
+    for (std::uint32_t i = 0; i < half_.x * half_.y; ++i) {
+      const std::uint32_t x = std::min(2 * (i % half_.x) + (place & 1), shot.width - 1),
+                          y = std::min(2 * (i / half_.x) + (place >> 1), shot.height - 1);
+      gbuffer.push_back(shot.gbuffer[y * shot.width + x]);
+      seen.push_back(color[y * shot.width + x]);
+    }
+    gbuffer_.write(gbuffer.data(), gbuffer.size() * sizeof(GbufferPixel));
+    color_.write(seen.data(), seen.size() * sizeof(vec4));
+    Commands commands(device());
+    upscale_->record(commands, view, place);
+    commands.submit_and_wait();
+    return download<vec4>(upscale_->result(), color.size());
+  }
+
+  glm::uvec2 half_{0};
+  Buffer gbuffer_, color_;
+  std::unique_ptr<Taa> upscale_;
+};
+
+// Whatever the pixels show, four frames have seen all of them; before, each frame shows its own.
+TEST_F(UpscaleTest, FourFramesOfAStillCameraAreThePicture) {
+  for (const auto& [width, height] : {std::pair{40u, 24u}, {37u, 11u}, {1u, 1u}}) {
+    const Shot shot = wall(width, height);
+    const CameraView view = camera(width, height);
+    const Signals in = pattern(shot);
+    begin(width, height);
+    std::vector<bool> known(in.size());
+    for (const std::uint32_t place : kPlaces) {
+      const Signals out = join(shot, view, in, place);
+      for (std::uint32_t i = 0; i < in.size(); ++i) {
+        if ((i % width & 1) == (place & 1) && (i / width & 1) == place >> 1) known[i] = true;
+        EXPECT_EQ(out[i].w, known[i] ? 1.0f : 0.0f) << i;
+        if (known[i]) {
+          EXPECT_EQ(vec3(out[i]), vec3(in[i])) << i;
+        }
+      }
+    }
+    EXPECT_EQ(std::ranges::count(known, true), static_cast<std::ptrdiff_t>(in.size()));
+  }
+}
+
+// A pixel that no frame has seen lies between those that were: a slope stays a slope.
+TEST_F(UpscaleTest, UnknownPixelsAreInterpolated) {
+  const std::uint32_t width = 40, height = 24;
+  const Shot shot = wall(width, height);
+  const Signals slope = fill(
+      shot, [&](std::size_t i) { return vec4(2.0f + 0.5f * (i % width) + 0.25f * static_cast<float>(i / width)); });
+  for (const std::uint32_t place : kPlaces) {
+    begin(width, height);
+    const Signals out = join(shot, camera(width, height), slope, place);
+    for (std::uint32_t y = 2; y + 2 < height; ++y)
+      for (std::uint32_t x = 2; x + 2 < width; ++x)
+        EXPECT_NEAR(out[y * width + x].x, slope[y * width + x].x, 1e-5) << place << ": " << x << ' ' << y;
+  }
+}
+
+TEST_F(UpscaleTest, TheHistoryMovesWithTheCamera) {
+  const std::uint32_t width = 96, height = 64;
+  for (const Move& move : moves(width, height)) {
+    SCOPED_TRACE(move.name);
+    begin(width, height);
+    CameraView view = move.first;
+    for (std::uint32_t frame = 0; frame < 12; ++frame) {
+      const Shot shot = shoot(width, height, view, {Board{}});
+      join(shot, view, fill(shot, [&](std::size_t i) { return vec4(paint(shot.points[i])); }), kPlaces[frame % 4]);
+      view = move.step(view);
+    }
+    const Shot shot = shoot(width, height, view, {Board{}});
+    const Signals out = join(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }), kPlaces[0]);
+    std::size_t known = 0;
+    for (std::uint32_t y = 12; y + 12 < height; ++y)
+      for (std::uint32_t x = 12; x + 12 < width; ++x) {
+        const std::size_t i = y * width + x;
+        if (out[i].w < 1.0f) continue;
+        ++known;
+        EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.06) << x << ' ' << y;
+      }
+    EXPECT_GT(known, (width - 24) * (height - 24) / 2);
+  }
+}
+
+// Colours that are nowhere about a pixel any more leave its history, once the camera moves.
+TEST_F(UpscaleTest, NoGhostStaysBehind) {
+  const std::uint32_t width = 96, height = 32;
+  const std::vector<Board> boards = {Board{}, {.z = -2.0f, .low_x = -0.4f, .high_x = 0.4f, .surface = 2}};
+  begin(width, height);
+  CameraView view = camera(width, height);
+  for (std::uint32_t frame = 0; frame < 8; ++frame) {
+    const Shot shot = shoot(width, height, view, boards);
+    const auto light = [&](std::size_t i) { return shot.boards[i] == 1 ? 50.0f : 0.1f; };
+    const Signals out = join(shot, view, fill(shot, [&](std::size_t i) { return vec4(light(i)); }), kPlaces[frame % 4]);
+    for (std::uint32_t x = 4; x + 4 < width; ++x) { // but on outlines, where both colours are in the clip box
+      const std::size_t i = 16 * width + x;
+      bool even = true;
+      for (std::size_t k = i - 4; k <= i + 4; ++k) even = even && light(k) == light(i);
+      if (even) {
+        EXPECT_NEAR(out[i].x, light(i), 0.01f * light(i)) << frame << ' ' << x;
+      }
+    }
+    view.position.x += 0.21f;
+  }
+}
+
+TEST_F(UpscaleTest, ValuesThatAreNotFiniteDoNotSpread) {
+  const Shot shot = wall(40, 24);
+  const CameraView view = camera(40, 24);
+  begin(40, 24);
+  for (std::uint32_t frame = 0; frame < 6; ++frame) {
+    Signals in = fill(shot, [](std::size_t) { return vec4(0.25f, 3.0f, 1.0f, 1.0f); });
+    in[500].y = kNan;
+    in[501].x = kInfinity;
+    EXPECT_TRUE(finite(join(shot, view, in, kPlaces[frame % 4])));
   }
 }
 

@@ -248,7 +248,8 @@ TEST(Layout, Hybrid) {
           {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
            AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
            AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness),
-           AT(HybridFrame, sample_position), AT(HybridFrame, first_position)});
+           AT(HybridFrame, sample_position), AT(HybridFrame, first_position), AT(HybridFrame, film_width),
+           AT(HybridFrame, film_height)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
 }

@@ -117,6 +117,16 @@ class SceneMakers(unittest.TestCase):
         document, _ = read_glb((self.folder / "a.glb").read_bytes())
         self.assertEqual(sum(m["pbrMetallicRoughness"]["metallicFactor"] for m in document["materials"]), 1)
 
+    def test_things_move_in_a_room(self):
+        for copy in "ab":
+            make(self.folder, "moving.py", f"{copy}.glb")
+        self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
+        document, _ = read_glb((self.folder / "a.glb").read_bytes())
+        (animation,) = document["animations"]
+        moved = {document["nodes"][c["target"]["node"]]["name"] for c in animation["channels"]}
+        self.assertEqual((animation["name"], moved), ("move", {"crate", "ball", "bar"}))
+        self.info(self.folder / "a.glb")
+
     def test_a_room_gets_a_spot(self):
         if not ROOM.exists():
             self.skipTest("no shared/scenes beside the repository")

@@ -184,7 +184,7 @@ void add_shutter_flag(CLI::App& app, SceneRequest& request) {
   add_flag(app, "Scene",
            {"--shutter", "OPEN,CLOSE",
             "motion blur between two moments of the animation, in seconds. Vertices move along straight lines. Camera "
-            "and lamps do not move",
+            "and lamps do not move. hybrid blurs frames of the middle moment",
             "none: the moment of --at"},
            [&](const FlagValue& value) {
              const auto [open, close] = value.split(',', "write it as OPEN,CLOSE, such as 0.5,0.52");

@@ -58,12 +58,12 @@ void check_viewing(ViewingRequest& request, std::uint32_t frames) {
                        "use wavepath render");
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
+  check_shutter(request.scene, request.render.settings); // which the integrator's own check asks about
   check_integrator(request.render);
   if (denoises_film(settings))
     throw UsageError("--denoise", "filters finished pictures, and a window shows unfinished ones",
                      "use --integrator hybrid, or wavepath render");
   check_catcher(request.scene, request.render.settings);
-  check_shutter(request.scene, request.render.settings);
   check_camera(request.scene.view, request.render.settings);
   require_file(request.scene.path);
 }

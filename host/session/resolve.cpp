@@ -207,6 +207,7 @@ void check_integrator(const RenderRequest& request) {
   };
   if (splits && settings.denoise != kDenoiseOff && !denoises_film(settings)) refuse_history("--denoise");
   if (splits && settings.antialias == kAntialiasTaaName) refuse_history("--antialias taa");
+  if (splits && settings.antialias == kAntialiasUpscaleName) refuse_history("--antialias upscale");
   if (request.strict && denoises_film(settings))
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
   if (settings.denoise != kDenoiseOidn) return;
@@ -221,9 +222,9 @@ void resolve_settings(const SceneRequest& scene, RenderRequest& request) {
   check_volume(scene.volume);
   check_catcher(scene, request.settings);
   resolve_samples(request);
-  resolve_integrator(request); // by the samples
+  resolve_integrator(request);            // by the samples
+  check_shutter(scene, request.settings); // which the integrator's own check asks about
   check_integrator(request);
-  check_shutter(scene, request.settings);
   check_camera(scene.view, request.settings);
   check_crop(request.settings);
   resolve_strict(request);

@@ -9,11 +9,13 @@
 
 const bool kMoves = kMotion != 0u;
 
-float shutter_time = 0.0; // time of the current path: 0 when the shutter opens, 1 when it closes
+// Time of the current path: 0 when the shutter opens, 1 when it closes. Frames share their first hits, so that each is
+// of one moment, the middle (kernels/hybrid/motion_blur.comp).
+float shutter_time = has(kFeatureSharedFirstHit) ? 0.5 : 0.0;
 
 // Sets the time of a path. Must be called before any access to the scene.
 void open_shutter(Sampler path_sampler) {
-  if (kMoves) shutter_time = sample_2d(path_sampler, kDimensionTime).x;
+  if (kMoves && !has(kFeatureSharedFirstHit)) shutter_time = sample_2d(path_sampler, kDimensionTime).x;
 }
 
 // The corner of a triangle that stands in a texel. Precise: traversal and shading see the same triangle to the last

@@ -4,6 +4,7 @@
 #define WAVEPATH_KNOWN_TRIANGLE_GLSL
 
 #include "kernels/base/config.glsl"
+#include "kernels/base/motion.glsl"
 #include "kernels/bvh/instance.glsl"
 #include "kernels/base/records.glsl"
 #include "kernels/bvh/triangle.glsl"
@@ -16,8 +17,9 @@ Candidate candidate_of_triangle(uint triangle, uint instance, vec3 origin, vec3 
     direction = transform_vector(texel, direction);
   }
   int texel = int(triangle * kTriangleTexels);
-  return intersect_triangle(make_traversal_ray(origin, direction), texelFetch(triangles, texel).xyz,
-                            texelFetch(triangles, texel + 1).xyz, texelFetch(triangles, texel + 2).xyz);
+  return intersect_triangle(make_traversal_ray(origin, direction), moved(texelFetch(triangles, texel).xyz, texel),
+                            moved(texelFetch(triangles, texel + 1).xyz, texel + 1),
+                            moved(texelFetch(triangles, texel + 2).xyz, texel + 2));
 }
 
 // The hit that traversal would report. Rasterizers place corners on a grid of at best 1/256 pixel, so that at edges the

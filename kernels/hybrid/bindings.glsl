@@ -29,6 +29,10 @@ layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]
 layout(set = 0, binding = kBindReflections, std430) buffer ReflectionBlock { vec4 reflections[]; };
 #endif
 
+#ifdef BIND_VELOCITIES
+layout(set = 0, binding = kBindVelocities, std430) writeonly buffer VelocityBlock { vec2 velocities[]; };
+#endif
+
 #ifdef BIND_SHARED_COLORS
 layout(set = 0, binding = kBindColorIds, std430) buffer ColorIdBlock { uvec2 color_ids[]; };
 layout(set = 0, binding = kBindColorSeen, std430) buffer ColorSeenBlock { vec4 color_seen[]; };

@@ -36,7 +36,7 @@ GPU_CHECK(sizeof(Reprojection) == 144);
 // workgroup, row-major.
 struct FilterBand {
   uint first_tile;
-  uint step; // a-trous: from one tap to the next, in pixels
+  uint step; // a-trous: from one tap to the next, in pixels; upscaling: place of the frame in 2x2 pixels, row by row
 };
 GPU_CONSTANT uint kFilterTile = 8u;
 GPU_CHECK(kFilterTile* kFilterTile == kWorkgroupSize);
@@ -78,6 +78,11 @@ GPU_CONSTANT uint kFilterSpots = 18u;          // storage vec4[]
 GPU_CONSTANT uint kFilterSpotTexels = 19u;     // texels RGBA32F: the same memory, for reading
 GPU_CONSTANT uint kFilterTileSpots = 20u;      // storage float[], by tile: the largest radius in it
 GPU_CONSTANT uint kFilterTileSpotTexels = 21u; // texels R32F: the same memory, for reading
+// Bindings of the filter of motion blur, see kernels/hybrid/motion_blur.glsl.
+GPU_CONSTANT uint kFilterVelocities = 22u;         // texels RG32UI: see kBindVelocities
+GPU_CONSTANT uint kFilterTileVelocities = 23u;     // storage vec2[], by tile: the longest velocity in it
+GPU_CONSTANT uint kFilterTileVelocityTexels = 24u; // texels RG32UI: the same memory, for reading
+GPU_CONSTANT float kLongestBlur = 96.0f;           // pixels along either axis; longer velocities are cut to that
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -20,6 +20,7 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, fraction of light they let pass
 GPU_CONSTANT uint kBindReflections = 131u; // storage vec4[] (kHybridReflections): what mirrors show of lit surfaces
+GPU_CONSTANT uint kBindVelocities = 155u;  // storage vec2[]: pixels that a surface passes while the shutter is open
 // Several frames see a pixel at one position each and share shading (kHybridMultisample): that of up to kSharedColors
 // triangles. One picture a triangle: its name as in kBindVisibility, and kBindSeen and kBindSignals of the frame that
 // shaded it.
@@ -44,8 +45,12 @@ struct HybridFrame {
   float ao_thinness;    // fraction by which what is seen behind a body lowers its horizon; 0: bodies have no back
   uint sample_position; // kHybridMultisample: of the frame among those that share shading
   uint first_position;  // first of them from which on colours are kept
+  uint film_width; // of the picture, in pixels; gpu::Frame has the frame's own size, which is half of it for upscaling
+  uint film_height;
+  uint pad0;
+  uint pad1;
 };
-GPU_CHECK(sizeof(HybridFrame) == 64);
+GPU_CHECK(sizeof(HybridFrame) == 80);
 GPU_CONSTANT uint kJitters = 1024u;
 GPU_CONSTANT uint kHybridLights = 1u << 0;      // direct light is wanted
 GPU_CONSTANT uint kHybridAmbient = 1u << 1;     // the ambient term is wanted

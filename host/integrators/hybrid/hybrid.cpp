@@ -11,6 +11,7 @@
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
+#include "host/integrators/hybrid/motion_blur.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/occlusion/screen_space.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
@@ -24,6 +25,7 @@
 #include "host/scene/pack/features.h"
 #include "kernels/base/tile_order.h"
 #include "kernels/base/wave.h"
+#include "kernels/hybrid/antialias/add_upscaled.spv.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -31,6 +33,7 @@
 #include "kernels/hybrid/occlusion_query.spv.h"
 #include "kernels/hybrid/resolve.spv.h"
 #include "kernels/hybrid/share_shading.spv.h"
+#include "kernels/hybrid/velocity.spv.h"
 
 namespace wavepath {
 namespace {
@@ -41,16 +44,28 @@ constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // pixels of a dispatch: some tens of milliseconds on two cores
 
-enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
+enum Stage : std::size_t {
+  kJitter,
+  kResolve,
+  kOcclusion,
+  kGather,
+  kShare,
+  kVelocity,
+  kComposite,
+  kAddUpscaled,
+  kStageCount
+};
 const std::array<KernelCode, kStageCount> kStages = {
     {{"jitter", wavepath_jitter_spv},
      {"resolve", wavepath_resolve_spv},
      {"occlusion", wavepath_occlusion_spv, {}, wavepath_occlusion_query_spv},
      {"gather", wavepath_gather_spv},
      {"share shading", wavepath_share_shading_spv},
-     {"composite", wavepath_composite_spv}}};
-constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
-                                                                kGather,    kShare,   kJitter};
+     {"velocity", wavepath_velocity_spv},
+     {"composite", wavepath_composite_spv},
+     {"add upscaled", wavepath_add_upscaled_spv}}};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kAddUpscaled,
+                                                                kGather,    kShare,   kVelocity,  kJitter};
 
 enum OwnBuffer : std::size_t {
   kFrame,
@@ -61,11 +76,13 @@ enum OwnBuffer : std::size_t {
   kColorIds,
   kColorSeen,
   kColorSignals,
-  kReflected
+  kReflected,
+  kVelocities
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
-                        kCapacityForReflections = 1u << 2; // bits of BufferDimensions::options
+                        kCapacityForReflections = 1u << 2,
+                        kCapacityForVelocities = 1u << 3; // bits of BufferDimensions::options
 
 std::uint64_t shared_colors(const BufferDimensions& e) {
   return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
@@ -100,6 +117,9 @@ const std::vector<BufferRule> kHybridRules = {
     {"reflections",
      [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindReflections, BindingKind::storage}}},
+    {"velocities",
+     [](const BufferDimensions& e) { return e.options & kCapacityForVelocities ? e.pixels * sizeof(gpu::vec2) : 0; },
+     {{gpu::kBindVelocities, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -121,6 +141,18 @@ std::uint32_t transparency_flags(const RenderPlan& settings, const PackedScene& 
 // Over time, for smooth edges.
 bool joins_frames(const RenderPlan& settings) {
   return settings.antialias_over_time || kAntialiasTechniques.find(settings)->over_time;
+}
+
+bool upscales(const RenderPlan& settings) { return kAntialiasTechniques.find(settings)->halves; }
+
+// The view of frames of half the size, and that size in the settings. Of an odd size, the last pixels reach beyond the
+// picture: so do the sides of the view, about the same middle.
+void halve(View& view, RenderPlan& settings) {
+  const glm::uvec2 whole(settings.width, settings.height);
+  settings.width = (whole.x + 1) / 2;
+  settings.height = (whole.y + 1) / 2;
+  view.right *= 2.0 * settings.width / whole.x;
+  view.up *= 2.0 * settings.height / whole.y;
 }
 
 // Flags that depend on the settings alone.
@@ -146,6 +178,8 @@ std::uint32_t stages_of(const RenderPlan& settings) {
   if (traces_occlusion(settings)) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   if (flags & gpu::kHybridMultisample) stages |= 1u << kShare;
+  if (blurs_motion(settings)) stages |= 1u << kVelocity;
+  if (upscales(settings)) stages |= 1u << kAddUpscaled;
   return stages;
 }
 
@@ -181,6 +215,7 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   if (kShadingModels.find(settings)) refuse("--shading");
   if (settings.antialias != 0) refuse("--antialias");
   if (has_lens(settings)) refuse("--aperture");
+  if (blurs_motion(settings)) refuse("--shutter");
   if (settings.denoise != kDenoiseOff) refuse("--denoise");
 }
 
@@ -206,6 +241,7 @@ struct Hybrid::Filters { // null = not wanted
   std::unique_ptr<Taa> taa;
   std::unique_ptr<FrameFilter> each; // by itself
   std::unique_ptr<Defocus> defocus;
+  std::unique_ptr<MotionBlur> motion_blur;
 };
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
@@ -220,9 +256,14 @@ Hybrid::~Hybrid() = default;
 void Hybrid::change(const View& view, const RenderPlan& settings, TemporalHistory history) {
   refuse_lobes(workspace_.scene, kHybridLacks, settings.integrator->name);
   if (has_camera_model(view)) refuse_what_is_not_traced(settings, view);
+  shown_ = {view.shift, view.clip};
+  shown_size_ = {settings.width, settings.height};
+  shown_camera_ = camera_of(workspace_.scene, view);
   settings_ = settings;
-  make_frame(view, settings, history);
-  allocate(view, history);
+  View seen = view;
+  if (upscales(settings)) halve(seen, settings_);
+  make_frame(seen, settings_, history);
+  allocate(seen, history);
 }
 
 void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHistory history) {
@@ -230,8 +271,8 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const glm::vec3 ambient = history == TemporalHistory::keep ? frame_.ambient : glm::vec3(0.0f);
   knows_ambient_ = history == TemporalHistory::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
-  shown_ = {view.shift, view.clip};
   frame_ = {};
+  frame_.film_width = shown_size_.x, frame_.film_height = shown_size_.y;
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   next_sample_ = gpu::kNone;
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
@@ -243,13 +284,19 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far + (reflects() ? static_cast<float>(2.0 * scene.radius) : 0.0f); // seen in a mirror
-  rasterizes_ = refracts() || (is_rasterizable(view) &&
+  rasterizes_ = refracts() || (is_rasterizable(view) && !blurs_motion(settings) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;
   const bool mips = uses_mips(settings) && (scene.features & gpu::kFeatureMips);
   shared.pixel_spread = mips ? cone_width(view, settings) : 0.0f;
+  if (upscales(settings)) {
+    set_camera(view, scene.origin, shared);
+    shared.width = shared.film_width = settings.width;
+    shared.height = shared.film_height = settings.height;
+    shared.pixel_spread *= 0.5f; // textures of the picture's pixels
+  }
   shared.max_depth = std::min(settings.max_depth, 1u); // the rest is the ambient term's
   shared.sample_total = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
@@ -264,13 +311,17 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   if (const ReflectionKind* kind = kReflectionTechniques.find(settings_); kind && kind->traces)
     path_stages |= stage_bits({kExtend});
   const std::uint32_t options =
-      lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) ? kCapacityForSeen : 0;
-  bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
+      lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) || blurs_motion(settings_)
+          ? kCapacityForSeen
+          : 0;
+  RenderPlan of_film = settings_; // it fits the film, and `seen` for every pixel of that
+  of_film.width = shown_size_.x, of_film.height = shown_size_.y;
+  bool moved = paths_.change(of_film, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
-  moved |=
-      buffers_.fit({.pixels = workspace_.film.pixels(),
-                    .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
-                               (reflects() ? kCapacityForReflections : 0)});
+  moved |= buffers_.fit(
+      {.pixels = workspace_.film.pixels(),
+       .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
+                  (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -368,10 +419,10 @@ bool Hybrid::filters_frames() const {
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, TemporalHistory history) {
   const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
-                              (has_lens(settings_) ? 4u : 0u) |
-                              (filters_frames() ? 8u * (1u + settings_.antialias) : 0u);
-  const glm::uvec4 made_for =
-      which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
+                              (has_lens(settings_) ? 4u : 0u) | (blurs_motion(settings_) ? 1u << 16 : 0u) |
+                              (filters_frames() ? 8u * (1u + settings_.antialias) : 0u) |
+                              (upscales(settings_) ? 1u << 17 : 0u);
+  const glm::uvec4 made_for = which ? glm::uvec4(shown_size_, frame_.flags, which) : glm::uvec4(0);
   if (moved) filters_.reset();
   const bool made = filters_.keep(made_for, [&] { return std::make_unique<Filters>(make_filters()); });
   if (made || history == TemporalHistory::keep) return;
@@ -390,7 +441,11 @@ Hybrid::Filters Hybrid::make_filters() {
     filters.each = std::make_unique<FrameFilter>(device, kAntialiasTechniques.find(settings_)->passes, width, height,
                                                  gbuffer, seen);
   if (has_lens(settings_)) filters.defocus = std::make_unique<Defocus>(device, width, height, gbuffer, seen);
-  if (joins_frames(settings_)) filters.taa = std::make_unique<Taa>(device, width, height, gbuffer, seen);
+  if (blurs_motion(settings_))
+    filters.motion_blur = std::make_unique<MotionBlur>(device, width, height, gbuffer, buffers_[kVelocities], seen);
+  if (joins_frames(settings_))
+    filters.taa = std::make_unique<Taa>(device, shown_size_.x, shown_size_.y, gbuffer, seen,
+                                        kAntialiasTechniques.find(settings_)->joining());
   return filters;
 }
 
@@ -413,7 +468,8 @@ std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
          (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
          (filters_->each ? filters_->each->bytes() : 0) + (filters_->defocus ? filters_->defocus->bytes() : 0) +
-         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
+         (filters_->motion_blur ? filters_->motion_blur->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
+         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
          (reflections_ ? reflections_->bytes() : 0);
 }
 
@@ -437,6 +493,17 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
   return jitters_[sample - first_jitter_];
 }
 
+// From the position in a pixel of the picture to that in a pixel of the frame, which are squares of 2x2 pixels. Their
+// places take turns, the second one across from the first.
+glm::vec2 Hybrid::jitter_of_half(glm::vec2 jitter, std::uint32_t sample) {
+  constexpr std::uint32_t kPlaces[] = {0, 3, 1, 2};
+  place_ = kPlaces[sample % 4];
+  shown_camera_.jitter_x = jitter.x;
+  shown_camera_.jitter_y = jitter.y;
+  const glm::vec2 beyond = 2.0f * glm::vec2(settings_.width, settings_.height) - glm::vec2(shown_size_); // see halve()
+  return 0.5f * (glm::vec2(place_ & 1, place_ >> 1) + 0.5f + jitter) - 0.5f + 0.25f * beyond;
+}
+
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
   if (multisamples()) {
@@ -445,6 +512,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
     next_sample_ = sample + 1;
   }
   frame_.jitter = jitter(queue, sample);
+  if (upscales(settings_)) frame_.jitter = jitter_of_half(frame_.jitter, sample);
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
   visibility_->render(queue, camera_, prepare, shown_);
   if (multisamples()) {
@@ -491,7 +559,24 @@ gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_entry, std::uin
                         band.first_pixel);
 }
 
-void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+// Index in the frame of a pixel of the film, both in tile order: the same, but for frames of half the size. Those are
+// cut where the film is, in proportion.
+std::uint32_t Hybrid::frame_index(std::uint32_t film_index) const {
+  const std::uint64_t pixels = std::uint64_t{settings_.width} * settings_.height,
+                      whole = std::uint64_t{shown_size_.x} * shown_size_.y;
+  return static_cast<std::uint32_t>(film_index * pixels / whole);
+}
+
+gpu::Wave Hybrid::wave_of_frame(gpu::Wave wave) const {
+  const std::uint32_t end = frame_index(wave.first_pixel + wave.pixel_count);
+  wave.first_pixel = frame_index(wave.first_pixel);
+  wave.pixel_count = end - wave.first_pixel;
+  return wave;
+}
+
+void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& film_wave) {
+  const gpu::Wave wave = wave_of_frame(film_wave);
+  if (wave.pixel_count == 0) return;
   const KernelSet& kernels = kernels_.best(need_);
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kResolve], groups_for(wave.pixel_count), &wave);
@@ -537,13 +622,14 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
-  if (multisamples()) share_shading(queue);
+  if (multisamples()) for_all_pixels(queue, kShare, {.timed_dispatches = 1});
   if (reflections_ && !piloting_) reflections_->finish(queue);
   if (layers_ && !refracts()) layers_->render(queue);
   if (Denoiser* denoiser = filters_->denoiser.get())
     queue.submit([&](Commands& commands) { denoiser->record(commands, camera_); },
                  {.timed_dispatches = denoiser->dispatches()});
-  const bool filters_edges = filters_->taa || filters_->each, filters = filters_edges || filters_->defocus;
+  const bool filters_edges = filters_->taa || filters_->each,
+             filters = filters_edges || filters_->defocus || filters_->motion_blur;
   if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
@@ -553,11 +639,13 @@ void Hybrid::end_pass(WaveQueue& queue) {
     if (!filters) return;
   }
   if (filters_->defocus) spread_spots(queue);
+  if (filters_->motion_blur) blur_motion(queue);
   if (filters_edges) antialias(queue);
+  if (upscales(settings_)) return add_to_film(queue, kAddUpscaled, frame_.flags);
   composite(queue, again);
 }
 
-void Hybrid::share_shading(WaveQueue& queue) {
+void Hybrid::for_all_pixels(WaveQueue& queue, std::size_t stage, const WaveQueue::Work& work) {
   const KernelSet& kernels = kernels_.best(need_);
   const std::uint32_t pixels = settings_.width * settings_.height;
   for (std::uint32_t first = 0; first < pixels; first += kCompositePixels) {
@@ -566,9 +654,9 @@ void Hybrid::share_shading(WaveQueue& queue) {
     wave.pixel_count = std::min(kCompositePixels, pixels - first);
     const auto record = [&](Commands& commands) {
       commands.bind(*sets_.front());
-      commands.dispatch(kernels[kShare], groups_for(wave.pixel_count), &wave);
+      commands.dispatch(kernels[stage], groups_for(wave.pixel_count), &wave);
     };
-    queue.submit(record, {.timed_dispatches = 1});
+    queue.submit(record, work);
   }
 }
 
@@ -587,20 +675,37 @@ void Hybrid::spread_spots(WaveQueue& queue) {
   }
 }
 
+void Hybrid::blur_motion(WaveQueue& queue) {
+  MotionBlur& blur = *filters_->motion_blur;
+  for_all_pixels(queue, kVelocity, {.stage = kMotionBlurStage});
+  queue.submit([&](Commands& commands) { blur.record_tiles(commands); }, {.stage = kMotionBlurStage});
+  for (std::uint32_t band = 0; band < blur.bands(); ++band) {
+    const auto record = [&](Commands& commands) {
+      blur.record_blur(commands, band);
+      if (band + 1 == blur.bands())
+        commands.copy(blur.result(), paths_.buffers[kSeen],
+                      std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+    };
+    queue.submit(record, {.stage = kMotionBlurStage});
+  }
+}
+
 void Hybrid::antialias(WaveQueue& queue) {
   const auto record = [&, taa = filters_->taa.get(), each = filters_->each.get()](Commands& commands) {
     if (taa)
-      taa->record(commands, camera_);
+      taa->record(commands, upscales(settings_) ? shown_camera_ : camera_, place_);
     else
       each->record(commands);
     commands.copy(taa ? taa->result() : each->result(), paths_.buffers[kSeen],
-                  std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+                  std::uint64_t{shown_size_.x} * shown_size_.y * sizeof(glm::vec4));
   };
   queue.submit(record, {.stage = kAntialiasStage});
   queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
 }
 
-void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
+void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) { add_to_film(queue, kComposite, flags); }
+
+void Hybrid::add_to_film(WaveQueue& queue, std::size_t stage, std::uint32_t flags) {
   const KernelSet& kernels = kernels_.best(need_);
   gpu::HybridFrame frame = frame_;
   frame.flags = flags;
@@ -613,8 +718,9 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
       commands.bind(*sets_[i]);
       for (std::uint32_t done = 0; done < band.pixel_count; done += kCompositePixels) {
         const std::uint32_t count = std::min(kCompositePixels, band.pixel_count - done);
-        const gpu::Wave wave{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
-        commands.dispatch(kernels[kComposite], groups_for(count), &wave);
+        const gpu::Wave of_film{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
+        const gpu::Wave wave = stage == kAddUpscaled ? of_film : wave_of_frame(of_film);
+        if (wave.pixel_count > 0) commands.dispatch(kernels[stage], groups_for(wave.pixel_count), &wave);
       }
     };
     queue.submit(record, {.timed_dispatches = (band.pixel_count + kCompositePixels - 1) / kCompositePixels});
@@ -625,7 +731,7 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
 std::optional<Pilot> Hybrid::pilot() {
   if (!lights() || settings_.ambient || !ambient() || knows_ambient_) return std::nullopt;
   Pilot pilot{.segments = {}, .samples = 1, .seed = kAmbientPilotSeed};
-  const std::uint32_t width = settings_.width, height = settings_.height, pixels = width * height;
+  const std::uint32_t width = settings_.width, height = settings_.height, pixels = shown_size_.x * shown_size_.y;
   const std::uint32_t blocks = std::max(std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock, 1u);
   const std::vector<FilmBand>& bands = workspace_.film.bands();
   pilot_pixels_.clear();
@@ -635,7 +741,7 @@ std::optional<Pilot> Hybrid::pilot() {
         bands, [&](const FilmBand& b) { return first >= b.first_pixel && first - b.first_pixel < b.pixel_count; });
     const std::uint32_t end = std::min(first + kPilotBlock, band->first_pixel + band->pixel_count);
     pilot.segments.push_back({static_cast<std::size_t>(band - bands.begin()), first, end - first, 0});
-    for (std::uint32_t pixel = first; pixel < end; ++pixel) {
+    for (std::uint32_t pixel = frame_index(first); pixel < frame_index(end); ++pixel) {
       const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
       pilot_pixels_.push_back(at.y * width + at.x);
     }

@@ -63,7 +63,7 @@ public:
   void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
   gpu::Wave wave(const FilmBand& band, std::uint32_t first_entry, std::uint32_t pixel_count, std::uint32_t first_sample,
                  std::uint32_t count) const override;
-  void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
+  void record_wave(Commands& commands, std::size_t band, const gpu::Wave& film_wave) override;
   // Filters the frame if that is asked for, and adds it to the film.
   void end_pass(WaveQueue& queue) override;
   std::uint32_t timed_dispatches() const override { return 16; }
@@ -87,12 +87,19 @@ private:
   void remake_layers(bool moved);
   void remake_reflections(const View& view, const std::vector<Binding>& own);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
+  glm::vec2 jitter_of_half(glm::vec2 jitter, std::uint32_t sample);
+  std::uint32_t frame_index(std::uint32_t film_index) const;
+  gpu::Wave wave_of_frame(gpu::Wave wave) const;
   // `shadows`: null = all shadows are traced.
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows);
-  void share_shading(WaveQueue& queue);
+  // By a kernel of one lane a pixel, row by row.
+  void for_all_pixels(WaveQueue& queue, std::size_t stage, const WaveQueue::Work& work);
   void composite(WaveQueue& queue, std::uint32_t flags);
+  // `stage`: kComposite, or of the upscaled frame. `flags`: of HybridFrame.
+  void add_to_film(WaveQueue& queue, std::size_t stage, std::uint32_t flags);
   bool filters_frames() const;         // true if each frame is filtered by itself, for smooth edges
   void spread_spots(WaveQueue& queue); // of a lens
+  void blur_motion(WaveQueue& queue);  // while the shutter is open
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 
@@ -100,9 +107,13 @@ private:
   KernelCompiler& kernels_;
   Paths paths_;
   BufferSet buffers_;
+  // Of frames, as `camera_` is: of half the picture's size where they are upscaled.
   RenderPlan settings_;
   gpu::CameraView camera_;
   ShownPart shown_;
+  glm::uvec2 shown_size_{0};     // of the picture
+  gpu::CameraView shown_camera_; // of the picture, for upscaling
+  std::uint32_t place_ = 0;      // of the frame's pixels among the picture's, for upscaling: see FilterBand::step
   gpu::HybridFrame frame_{};
   bool rasterizes_ = true;     // false: first hits are traced
   bool knows_ambient_ = false; // from earlier frames

@@ -10,11 +10,13 @@
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/hybrid/motion_blur.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/rows.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/hybrid/transparency/layers.h"
 #include "host/render/render.h"
@@ -30,8 +32,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 38> kHybridSettings = {"first-hit",
+constexpr std::array<std::string_view, 39> kHybridSettings = {"first-hit",
                                                               "lens",
+                                                              "shutter",
                                                               "hemisphere",
                                                               "direct",
                                                               "lights",
@@ -80,6 +83,9 @@ constexpr const char* kDefocusBias =
 // Indexed by the values of --interpolation.
 constexpr std::array<std::string_view, 3> kEvaluated = {
     "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
+
+constexpr const char* kMotionBlurBias =
+    "motion blur spreads what one moment shows, the middle of the shutter, along its way in the picture (--shutter)";
 
 constexpr const char* kFilterBias = "direct light and occlusion are filtered over space and time (--denoise)";
 
@@ -134,8 +140,10 @@ std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) +
-         (has_lens(settings) ? Defocus::bytes_per_pixel() : 0) + layer_bytes(settings) + shared_color_bytes(settings) +
-         reflection_bytes(settings);
+         (has_lens(settings) ? Defocus::bytes_per_pixel() : 0) +
+         (blurs_motion(settings) ? MotionBlur::bytes_per_pixel() : 0) +
+         (kAntialiasTechniques.find(settings)->over_time ? Taa::bytes_per_pixel() : 0) + layer_bytes(settings) +
+         shared_color_bytes(settings) + reflection_bytes(settings);
 }
 
 void add_shading_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
@@ -169,6 +177,7 @@ void add_transparency_bias(const RenderPlan& settings, std::vector<std::string>&
 void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
   if (has_lens(settings)) bias.emplace_back(kDefocusBias);
+  if (blurs_motion(settings)) bias.emplace_back(kMotionBlurBias);
   if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
@@ -239,6 +248,13 @@ Json reflection_json(const RenderPlan& settings, const std::optional<ReflectionR
           {"missed", static_cast<double>(reflections->asked - reflections->answered) / asked}};
 }
 
+Json motion_blur_json(const RenderPlan& settings, const RenderResult& result) {
+  if (!blurs_motion(settings)) return nullptr;
+  const auto stage = std::ranges::find(result.stages, kMotionBlurStage, &StageTime::name);
+  const double seconds = stage == result.stages.end() ? 0.0 : stage->seconds;
+  return {{"ms", 1000.0 * seconds / std::max(result.spp, 1u)}}; // mean of a frame
+}
+
 Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& cost) {
   return {{"technique", kAntialiasTechniques.find(settings)->name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
@@ -247,13 +263,14 @@ void check_frame_settings(const RenderPlan& settings) {
   if (has_lens(settings) && settings.lens.blades > 0)
     throw UsageError("--blades", "is not known to --integrator hybrid, whose spots are discs",
                      "leave it out, or use --integrator path");
+  check_motion_settings(settings);
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
-  return settings.denoise != kDenoiseOff || has_lens(settings) || kOcclusionTechniques.find(settings) ||
-         kAntialiasTechniques.find(settings)->is_biased;
+  return settings.denoise != kDenoiseOff || has_lens(settings) || blurs_motion(settings) ||
+         kOcclusionTechniques.find(settings) || kAntialiasTechniques.find(settings)->is_biased;
 }
 
 std::string unsupported_reason_of(const RenderPlan& settings, const PackedScene& scene) {
@@ -307,6 +324,7 @@ Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderRes
           {"shadows", shadow_json(settings, result.shadows)},
           {"occlusion", occlusion_json(settings, result.occlusion)},
           {"reflections", reflection_json(settings, result.reflections)},
+          {"motion_blur", motion_blur_json(settings, result)},
           {"antialias", antialias_json(settings, result.antialias)}};
 }
 

@@ -17,7 +17,8 @@ const std::vector<BufferRule> kTaaRules = {
 
 } // namespace
 
-Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color)
+Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color,
+         std::span<const KernelCode> joining)
     : width_(width), height_(height), bands_(device, width, height), buffers_(device, kTaaRules) {
   buffers_.fit({.pixels = std::uint64_t{width} * height});
   for (std::uint32_t parity = 0; parity < 2; ++parity) {
@@ -29,15 +30,16 @@ Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer
     buffers_.add_bindings(bindings);
     sets_[parity] = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::FilterBand)));
   }
-  kernel_ = std::make_unique<Kernel>(device, "taa", wavepath_taa_spv, *sets_[0], std::span<const std::uint32_t>{});
+  const KernelCode code = joining.empty() ? KernelCode{"taa", wavepath_taa_spv} : joining.front();
+  kernel_ = std::make_unique<Kernel>(device, code.name, code.spirv, *sets_[0], std::span<const std::uint32_t>{});
 }
 
-void Taa::record(Commands& commands, const gpu::CameraView& now) {
+void Taa::record(Commands& commands, const gpu::CameraView& now, std::uint32_t place) {
   const gpu::Reprojection frames = reproject(now, before_, remembers_, width_, height_);
   commands.write(buffers_[kReprojection], &frames, sizeof(frames));
   parity_ = 1 - parity_;
   commands.bind(*sets_[parity_]);
-  bands_.run(commands, *kernel_);
+  bands_.run(commands, *kernel_, place);
   before_ = now;
   remembers_ = true;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "host/gpu/commands.h"
 #include "host/integrators/hybrid/filter_bands.h"
@@ -16,20 +17,22 @@ namespace wavepath {
 class Taa {
 public:
   // `gbuffer`: gpu::GbufferPixel. `color`: vec4, linear. Both are row-major, of the frame that record() processes, and
-  // must outlive this object.
-  Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color);
+  // must outlive this object. `joining`: the kernel of another way to join frames, with the same bindings; empty = TAA.
+  Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color,
+      std::span<const KernelCode> joining = {});
   Taa(Taa&&) = delete;
 
-  // Blends `color` with earlier frames. `now`: its camera; the geometry must not move. Barriers before and after are
-  // not needed. Leaves its own bindings bound.
-  void record(Commands& commands, const gpu::CameraView& now);
+  // Blends `color` with earlier frames. `now`: its camera; the geometry must not move. `place`: FilterBand::step.
+  // Barriers before and after are not needed. Leaves its own bindings bound.
+  void record(Commands& commands, const gpu::CameraView& now, std::uint32_t place = 0);
   // Forgets earlier frames, after a cut.
   void forget();
 
   // The blended frame: vec4, row-major, linear colour; w is the number of frames in it, up to ten. The same buffer
   // every frame.
   const Buffer& result() const { return buffers_[kResult]; }
-  std::uint64_t bytes() const { return buffers_.bytes(); }    // of device memory
+  std::uint64_t bytes() const { return buffers_.bytes(); } // of device memory
+  static std::uint64_t bytes_per_pixel() { return 3 * sizeof(gpu::vec4); }
   std::uint32_t dispatches() const { return bands_.count(); } // number that record() records
 
 private:

@@ -110,8 +110,10 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
                 rasterizes ? BindingSet::kRasterStages : 0),
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {
-  const auto constants =
-      specialization(kernel_config(features, scene.stack_size, RenderSettings{.cull = cull}), device.info());
+  RenderPlan plan(RenderSettings{.cull = cull});
+  plan.moving = scene.moves();
+  if (plan.moving) plan.kernels.added = gpu::kFeatureSharedFirstHit; // whose moment it is
+  const auto constants = specialization(kernel_config(features, scene.stack_size, plan), device.info());
   if (rasterizes)
     raster_.reset(new Raster{{device, width, height, kAttachments},
                              {device, kCode, kAttachments, {}, bindings_, constants},

@@ -5,7 +5,7 @@
 
 namespace wavepath {
 
-// Value of --antialias for TAA, which blends each frame with the frames before.
-inline constexpr std::uint32_t kAntialiasTaaName = 5;
+// Values of --antialias for TAA and temporal upscaling, which blend each frame with the frames before.
+inline constexpr std::uint32_t kAntialiasTaaName = 5, kAntialiasUpscaleName = 8;
 
 } // namespace wavepath

@@ -7,6 +7,7 @@
 namespace wavepath {
 
 static_assert(kAntialiasKinds[kAntialiasTaaName] == &kAntialiasTaa);
+static_assert(kAntialiasKinds[kAntialiasUpscaleName] == &kAntialiasUpscale);
 
 constinit const Registry<AntialiasKind> kAntialiasTechniques = {
     .setting = "antialias", .value = &RenderPlan::antialias, .rows = kAntialiasKinds};

@@ -20,9 +20,13 @@ struct AntialiasKind {
   glm::vec2 (*position)(std::uint32_t sample, std::uint32_t total) = nullptr;
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
   std::uint32_t positions = 0; // of consecutive frames, which share shading, see kHybridMultisample; 0 = none do
-  bool over_time = false;      // joins frames to those before
+  bool over_time = false;      // joins frames to those before, by the only pass, or as Taa does without one
+  bool halves = false;         // frames have half the size, and the pass joins them at the picture's
   bool is_biased = true;
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
+
+  // The pass that joins frames; empty = there is none, or it is that of Taa.
+  std::span<const KernelCode> joining() const { return over_time ? passes : std::span<const KernelCode>{}; }
 };
 
 // Samples that the whole render is to have of every pixel.

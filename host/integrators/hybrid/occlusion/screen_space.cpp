@@ -33,7 +33,7 @@ void ScreenSpaceOcclusion::change(const KernelConfig& config, const std::vector<
 
 void ScreenSpaceOcclusion::submit(WaveQueue& queue) {
   const std::uint64_t most = pixels_a_slice_.next_frame();
-  const std::uint64_t pixels = workspace_.film.pixels();
+  const std::uint64_t pixels = std::uint64_t{workspace_.frame.width} * workspace_.frame.height;
   for (std::uint64_t first = 0; first < pixels; first += most) {
     gpu::Wave wave{};
     wave.first_pixel = static_cast<std::uint32_t>(first);
