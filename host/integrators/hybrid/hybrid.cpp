@@ -494,10 +494,11 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 }
 
 // From the position in a pixel of the picture to that in a pixel of the frame, which are squares of 2x2 pixels. Their
-// places take turns, the second one across from the first.
+// places take turns, the second one across from the first, and begin a place later every four frames: every fourth
+// position of a sequence lies in the same quarter of the pixel, and each place is to see all quarters.
 glm::vec2 Hybrid::jitter_of_half(glm::vec2 jitter, std::uint32_t sample) {
   constexpr std::uint32_t kPlaces[] = {0, 3, 1, 2};
-  place_ = kPlaces[sample % 4];
+  place_ = kPlaces[(sample + sample / 4) % 4];
   shown_camera_.jitter_x = jitter.x;
   shown_camera_.jitter_y = jitter.y;
   const glm::vec2 beyond = 2.0f * glm::vec2(settings_.width, settings_.height) - glm::vec2(shown_size_); // see halve()
