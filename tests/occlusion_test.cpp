@@ -272,7 +272,7 @@ TEST_F(OcclusionTest, SendsNoRays) {
     const RenderPlan settings = occlusion_settings(kind->name, 1.0);
     const RenderResult result = render(bodies(), settings);
     EXPECT_FALSE(has_stage(result, "occlusion"));
-    EXPECT_TRUE(has_stage(result, "screen-space occlusion"));
+    EXPECT_TRUE(has_stage(result, kind->voxels ? "cone-traced occlusion" : "screen-space occlusion"));
     ASSERT_TRUE(result.occlusion);
     EXPECT_GT(result.occlusion->cost.least, 0.0);
     EXPECT_LE(result.occlusion->cost.least, result.occlusion->cost.median);

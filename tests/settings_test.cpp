@@ -33,8 +33,8 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, crop, first_sample, last_sample, sample_total, time_limit, target_error,
                max_depth, sampler, hemisphere, direct, filter, seed, cull, traversal, textures, terminator, lens,
-               first_hit, shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient,
-               shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
+               first_hit, shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, voxels,
+               ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, reflections, reflection_threshold, branching, techniques, cutoff, patches,
@@ -72,6 +72,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"antialias", text(antialias)},
       {"ao_bias", text(ao_bias)},
       {"ao_thinness", text(ao_thinness)},
+      {"voxels", text(voxels)},
       {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
       {"shadows", text(shadows)},
       {"shadow_size", text(shadow_size)},

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 #include "host/integrators/hybrid/shadows/lightmap_charts.h"
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
 #include "kernels/hybrid/shadows/lightmap_types.h"
 
 namespace wavepath::test {

@@ -20,7 +20,8 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 DOWNHILL = [
     "bvh", "ktx", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/volume", "kernels/film",
     "kernels/display",
-    "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid",
+    "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/voxels",
+    "kernels/hybrid/shadows", "kernels/hybrid",
     "kernels/hybrid/reflections", "kernels/hybrid/transparency", "kernels/hybrid/occlusion",
     "kernels/hybrid/antialias", "kernels/whitted", "kernels/radiosity",
     "kernels/selftest", "kernels/bench",
@@ -30,6 +31,7 @@ DOWNHILL = [
     "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device",
     "host/render/progressive", "host/plan", "host/render/report",
     "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster",
+    "host/integrators/hybrid/voxels",
     "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/reflections",
     "host/integrators/hybrid/transparency", "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias",
     "host/integrators/hybrid",

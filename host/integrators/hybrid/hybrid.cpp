@@ -21,6 +21,8 @@
 #include "host/integrators/hybrid/shadows/sources.h"
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
+#include "host/integrators/hybrid/voxel_settings.h"
+#include "host/integrators/hybrid/voxels/surface_voxels.h"
 #include "host/render/settings/mips.h"
 #include "host/scene/pack/features.h"
 #include "kernels/base/tile_order.h"
@@ -335,6 +337,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   const std::vector<Binding> path_bindings = own;
+  remake_voxels();
   remake_shadows(view, own);
   remake_shading(own);
   if (moved || sets_.empty()) {
@@ -353,9 +356,11 @@ void Hybrid::remake_occlusion() {
   const OcclusionKind* kind = ambient() ? kOcclusionTechniques.find(settings_) : nullptr;
   if (!kind) return occlusion_.reset();
   occlusion_.keep(kind, [&] { return std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind); });
-  occlusion_->change(need_.config, {{gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]},
-                                    {gpu::kBindGbuffer, BindingKind::storage, &buffers_[kGbuffer]},
-                                    {gpu::kBindSignals, BindingKind::storage, &buffers_[kSignals]}});
+  std::vector<Binding> frame = {{gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]},
+                                {gpu::kBindGbuffer, BindingKind::storage, &buffers_[kGbuffer]},
+                                {gpu::kBindSignals, BindingKind::storage, &buffers_[kSignals]}};
+  if (kind->voxels) voxels_->add_bindings(frame);
+  occlusion_->change(need_.config, frame);
 }
 
 void Hybrid::remake_reflections(const View& view, const std::vector<Binding>& own) {
@@ -392,6 +397,12 @@ void Hybrid::remake_layers(bool moved) {
   layers_->turn_to(camera_);
 }
 
+void Hybrid::remake_voxels() {
+  if (!uses_voxels(settings_)) return voxels_.reset();
+  voxels_.keep(settings_.voxels,
+               [&] { return std::make_unique<SurfaceVoxels>(workspace_, kernels_, need_.config, settings_.voxels); });
+}
+
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   const ShadowKind* kind = lights() ? kShadowTechniques.find(settings_) : nullptr;
   if (!kind) return shadows_.reset();
@@ -401,6 +412,7 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   std::vector<Binding> shared = own;
   shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
   shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
+  if (kind->voxels) voxels_->add_bindings(shared);
   shadows_->change(view, settings_, shared);
 }
 
@@ -451,26 +463,26 @@ Hybrid::Filters Hybrid::make_filters() {
 
 bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
+  const bool voxels = !voxels_ || voxels_->is_ready();
   const bool shadows = !shadows_ || shadows_->is_ready();
   const bool occlusion = !occlusion_ || occlusion_->is_ready();
   const bool shading = !shading_ || shading_->is_ready();
   const bool reflections = !reflections_ || reflections_->is_ready();
-  return kernels_.ready(need_) && paths && shadows && occlusion && shading && reflections;
+  return kernels_.ready(need_) && paths && voxels && shadows && occlusion && shading && reflections;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
-         (occlusion_ ? occlusion_->get_ready() : 0.0) + (shading_ ? shading_->get_ready() : 0.0) +
-         (reflections_ ? reflections_->get_ready() : 0.0) + kernels_.best(need_).seconds();
+         (voxels_ ? voxels_->get_ready() : 0.0) + (occlusion_ ? occlusion_->get_ready() : 0.0) +
+         (shading_ ? shading_->get_ready() : 0.0) + (reflections_ ? reflections_->get_ready() : 0.0) +
+         kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
-  return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() +
-         (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
-         (filters_->each ? filters_->each->bytes() : 0) + (filters_->defocus ? filters_->defocus->bytes() : 0) +
-         (filters_->motion_blur ? filters_->motion_blur->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) +
-         (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
-         (reflections_ ? reflections_->bytes() : 0);
+  const auto of = [](const auto& part) { return part ? part->bytes() : 0; };
+  return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + of(filters_->denoiser) + of(filters_->taa) +
+         of(filters_->each) + of(filters_->defocus) + of(filters_->motion_blur) + of(shadows_) + of(shading_) +
+         of(layers_) + of(reflections_) + of(voxels_);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -520,6 +532,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
     frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
     queue.submit(prepare, {});
   }
+  if (voxels_) voxels_->build(queue);
   if (shadows_) shadows_->build(queue, sample);
   if (reflections_ && !piloting_) reflections_->build(queue);
 }
@@ -530,13 +543,14 @@ void Hybrid::describe(RenderResult& result) const {
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (reflections_) result.reflections = reflections_->report();
   if (!shadows_) return;
-  const LightCover cover = light_cover(*kShadowTechniques.find(settings_), workspace_.scene);
+  const ShadowKind& kind = *kShadowTechniques.find(settings_);
+  const LightCover cover = light_cover(kind, workspace_.scene);
   result.shadows = {.covered = names_of(cover.covered),
                     .traced = cover.traced,
                     .build = shadow_times_.build.cost(),
                     .look_up = shadow_times_.look_up.cost(),
                     .views = shadows_->view_count(),
-                    .bytes = shadows_->bytes()};
+                    .bytes = shadows_->bytes() + (kind.voxels ? voxels_->bytes() : 0)};
   ShadowReport& report = *result.shadows;
   shadows_->describe(report);
   if (report.size != 0 && report.size != settings_.shadow_size)

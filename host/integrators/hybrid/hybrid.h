@@ -30,6 +30,7 @@ class Denoiser;             // host/integrators/hybrid/denoise.h
 class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
 struct OcclusionKind;       // host/integrators/hybrid/occlusion/technique.h
+class SurfaceVoxels;        // host/integrators/hybrid/voxels/surface_voxels.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
 // True if frames have an ambient term, or show occlusion alone.
@@ -81,6 +82,7 @@ private:
   void allocate(const View& view, TemporalHistory history);
   void remake_filters(bool moved, TemporalHistory history);
   Filters make_filters();
+  void remake_voxels();
   void remake_shadows(const View& view, const std::vector<Binding>& own);
   void remake_occlusion();
   void remake_shading(const std::vector<Binding>& own);
@@ -121,6 +123,7 @@ private:
   Kept<Visibility, glm::u64vec4> visibility_;     // key: width, height, features, and the options of Visibility
   std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
   FrameTimes antialias_times_;
+  Kept<SurfaceVoxels, std::uint32_t> voxels_;        // null if nothing traces cones; key: voxels along a side
   Kept<ShadowTechnique, const ShadowKind*> shadows_; // null if shadow rays are traced
   ShadowTimes shadow_times_;
   Kept<ScreenSpaceOcclusion, const OcclusionKind*> occlusion_; // null if occlusion rays are traced

@@ -19,6 +19,8 @@
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/hybrid/transparency/layers.h"
+#include "host/integrators/hybrid/voxel_settings.h"
+#include "host/integrators/hybrid/voxels/surface_voxels.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
@@ -68,12 +70,13 @@ constexpr std::array<std::string_view, 39> kHybridSettings = {"first-hit",
                                                               "occlusion",
                                                               "ao-bias",
                                                               "ao-thinness",
+                                                              "voxels",
                                                               "antialias",
                                                               "reflections",
                                                               "reflection-threshold"};
-constexpr std::array<std::string_view, 9> kAoSettings = {"first-hit", "ao-samples",  "ao-radius",
-                                                         "denoise",   "terminator",  "occlusion",
-                                                         "ao-bias",   "ao-thinness", "antialias"};
+constexpr std::array<std::string_view, 10> kAoSettings = {"first-hit",  "ao-samples", "ao-radius", "denoise",
+                                                          "terminator", "occlusion",  "ao-bias",   "ao-thinness",
+                                                          "antialias",  "voxels"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
@@ -114,6 +117,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
     const OcclusionKind* occlusion = kOcclusionTechniques.find(settings);
     if (occlusion && has_ambient(settings)) kernels.start(whole_need(*occlusion->program, frame.config));
+    if (uses_voxels(settings)) kernels.start(whole_need(kVoxelProgram, frame.config));
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
@@ -134,6 +138,10 @@ std::uint64_t shared_color_bytes(const RenderPlan& settings) {
 std::uint64_t reflection_bytes(const RenderPlan& settings) {
   const ReflectionKind* kind = kReflectionTechniques.find(settings);
   return kind ? sizeof(gpu::vec4) + kind->bytes_per_pixel : 0;
+}
+
+std::vector<MemoryItem> voxel_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
+  return {{"surface voxels", uses_voxels(settings) ? most_voxel_bytes(settings.voxels) : 0}};
 }
 
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
@@ -181,10 +189,9 @@ void add_common_bias(const RenderPlan& settings, std::vector<std::string>& bias)
   if (const AntialiasKind& antialias = *kAntialiasTechniques.find(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
-    bias.push_back(
-        fmt::format("ambient occlusion is that of {}, which knows nothing but what the picture shows "
-                    "(--occlusion {})",
-                    occlusion->summary, occlusion->name));
+    bias.push_back(fmt::format("ambient occlusion is that of {}, which knows {} (--occlusion {})", occlusion->summary,
+                               occlusion->voxels ? "surfaces as voxels" : "nothing but what the picture shows",
+                               occlusion->name));
 }
 
 std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderResult& result) {
@@ -266,6 +273,7 @@ void check_frame_settings(const RenderPlan& settings) {
   check_motion_settings(settings);
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
+  check_voxel_settings(settings);
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
@@ -289,9 +297,9 @@ std::vector<OmittedStage> always_omitted(const RenderPlan& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with all first hits and end with composite"}};
   if (const OcclusionKind* occlusion = kOcclusionTechniques.find(settings))
-    omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at depths; rays find the ambient radiance "
+    omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at {}; rays find the ambient radiance "
                                                      "alone, where --ambient does not give it",
-                                                     occlusion->name)});
+                                                     occlusion->name, occlusion->voxels ? "voxels" : "depths")});
   if (settings.denoise == kDenoiseOff) omitted.push_back({"filters over space and time", "--denoise is off"});
   return omitted;
 }
@@ -325,7 +333,8 @@ Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderRes
           {"occlusion", occlusion_json(settings, result.occlusion)},
           {"reflections", reflection_json(settings, result.reflections)},
           {"motion_blur", motion_blur_json(settings, result)},
-          {"antialias", antialias_json(settings, result.antialias)}};
+          {"antialias", antialias_json(settings, result.antialias)},
+          {"voxels", uses_voxels(settings) ? Json(settings.voxels) : Json()}};
 }
 
 void check(const RenderPlan& settings) {
@@ -339,7 +348,7 @@ void check(const RenderPlan& settings) {
 bool has_effect(const RenderPlan& settings, std::string_view setting) {
   return kShadowTechniques.supports(settings, setting) && kOcclusionTechniques.supports(settings, setting) &&
          kShadingModels.supports(settings, setting) && kTransparencyTechniques.supports(settings, setting) &&
-         kReflectionTechniques.supports(settings, setting);
+         kReflectionTechniques.supports(settings, setting) && voxels_support(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -366,6 +375,7 @@ constinit const IntegratorKind kHybrid = {
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
+    .items = voxel_items,
     .is_biased =
         [](const RenderPlan& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
@@ -388,8 +398,10 @@ constinit const IntegratorKind kAo = {
     .walks_light_tree = false,
     .first_hit_stages = kFirstHitStages,
     .check = check_frame_settings,
-    .has_effect = [](const RenderPlan& settings,
-                     std::string_view setting) { return kOcclusionTechniques.supports(settings, setting); },
+    .has_effect =
+        [](const RenderPlan& settings, std::string_view setting) {
+          return kOcclusionTechniques.supports(settings, setting) && voxels_support(settings, setting);
+        },
     .features = features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
@@ -397,6 +409,7 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
+    .items = voxel_items,
     .is_biased = has_biased_frames,
     .bias = ao_bias,
     .omitted = ao_omitted,

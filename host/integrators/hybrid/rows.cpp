@@ -8,14 +8,18 @@
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
+#include "host/integrators/hybrid/voxel_settings.h"
 
 namespace wavepath {
 
 std::vector<Setting> technique_rows() {
-  const std::pair<SettingGroup, std::vector<Setting>> parts[] = {
-      {SettingGroup::shadows, shadow_rows()},   {SettingGroup::occlusion, occlusion_rows()},
-      {SettingGroup::hybrid, antialias_rows()}, {SettingGroup::reflections, reflection_rows()},
-      {SettingGroup::shading, shading_rows()},  {SettingGroup::transparency, transparency_rows()}};
+  const std::pair<SettingGroup, std::vector<Setting>> parts[] = {{SettingGroup::shadows, shadow_rows()},
+                                                                 {SettingGroup::occlusion, occlusion_rows()},
+                                                                 {SettingGroup::hybrid, voxel_rows()},
+                                                                 {SettingGroup::hybrid, antialias_rows()},
+                                                                 {SettingGroup::reflections, reflection_rows()},
+                                                                 {SettingGroup::shading, shading_rows()},
+                                                                 {SettingGroup::transparency, transparency_rows()}};
   std::vector<Setting> rows;
   for (const auto& [group, part] : parts)
     for (Setting row : part) {

@@ -106,6 +106,7 @@ struct RenderSettings {
   double ao_bias = 10.0;       // degrees above the tangent plane below which nothing occludes
   // 0 to 1: how much a visible background lowers the horizon of the body before it, as if that were thin.
   double ao_thinness = 0.0;
+  std::uint32_t voxels = 256;               // along the longest side of the scene, for cones
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
   std::uint32_t shadows = 0;                // index into kShadowTechniques
   std::uint32_t shadow_size = 1024;         // texels along a side of a light's shadow map

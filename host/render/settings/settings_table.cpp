@@ -507,7 +507,7 @@ std::vector<Setting> special_rows() {
       {.name = "ao-samples",
        .value = WholeValue{&S::ao_samples, 1, kMostFrameRays},
        .meaning = "occlusion rays for each sample of a pixel, cosine-weighted and stratified. With --occlusion ssao "
-                  "they are points, with hbao directions, with gtao slices",
+                  "they are points, with hbao directions, with gtao slices, with cones cones",
        .placeholder = "N",
        .group = SettingGroup::hybrid,
        .advanced = true,

@@ -7,6 +7,6 @@
 
 namespace wavepath {
 
-WAVEPATH_ROWS(OcclusionKind, kOcclusionKinds, kOcclusionSsao, kOcclusionHbao, kOcclusionGtao);
+WAVEPATH_ROWS(OcclusionKind, kOcclusionKinds, kOcclusionSsao, kOcclusionHbao, kOcclusionGtao, kOcclusionCones);
 
 } // namespace wavepath

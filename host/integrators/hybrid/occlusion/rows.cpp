@@ -19,9 +19,10 @@ std::vector<Setting> occlusion_rows() {
   return {
       {.name = "occlusion",
        .value = ChoiceValue{&S::occlusion, names},
-       .meaning =
-           fmt::format("technique for ambient occlusion. traced: rays. The others use the depths of the picture: {}",
-                       fmt::join(std::span(names).subspan(1), ", ")),
+       .meaning = fmt::format(
+           "technique for ambient occlusion. traced: rays. cones: cones through voxels (--voxels). The others "
+           "use the depths of the picture: {}",
+           fmt::join(std::span(names).subspan(1), ", ")),
        .placeholder = "NAME",
        .label = "occlusion",
        .study = names},

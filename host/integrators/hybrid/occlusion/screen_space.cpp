@@ -21,7 +21,7 @@ std::vector<Binding> screen_space_layout() {
 }
 
 ScreenSpaceOcclusion::ScreenSpaceOcclusion(Workspace& workspace, KernelCompiler& kernels, const OcclusionKind& kind)
-    : workspace_(workspace), kernels_(kernels), kind_(kind), pixels_a_slice_(kFirstPixels) {}
+    : workspace_(workspace), kernels_(kernels), kind_(kind), pixels_a_slice_(kFirstPixels), times_(stage()) {}
 
 void ScreenSpaceOcclusion::change(const KernelConfig& config, const std::vector<Binding>& frame) {
   need_ = whole_need(*kind_.program, config);
@@ -42,7 +42,7 @@ void ScreenSpaceOcclusion::submit(WaveQueue& queue) {
       commands.bind(*set_);
       commands.dispatch(kernels_.best(need_)[0], groups_for(wave.pixel_count), &wave);
     };
-    queue.submit(record, {.stage = kScreenOcclusionStage,
+    queue.submit(record, {.stage = stage(),
                           .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
   }
   queue.afterwards([this, &queue] { times_.note_frame(queue.totals); });

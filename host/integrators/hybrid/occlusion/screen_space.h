@@ -1,4 +1,5 @@
-// Ambient occlusion of a whole frame from its G-buffer: one kernel over all pixels, after the last wave of the frame.
+// Ambient occlusion of a whole frame from its G-buffer, and from surface voxels if the technique looks at them: one
+// kernel over all pixels, after the last wave of the frame.
 #pragma once
 
 #include <memory>
@@ -21,7 +22,8 @@ class ScreenSpaceOcclusion {
 public:
   ScreenSpaceOcclusion(Workspace& workspace, KernelCompiler& kernels, const OcclusionKind& kind);
 
-  // Begins compiling. `frame`: buffers of kBindHybrid, kBindGbuffer and kBindSignals, which outlive this.
+  // Begins compiling. `frame`: buffers of kBindHybrid, kBindGbuffer, kBindSignals, and of voxels if the technique needs
+  // them. They outlive this.
   void change(const KernelConfig& config, const std::vector<Binding>& frame);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); } // seconds that compiling took
@@ -32,13 +34,15 @@ public:
   FrameCost cost() const { return times_.cost(); }
 
 private:
+  const char* stage() const { return kind_.program->stages.front().name; } // its time is counted under this name
+
   Workspace& workspace_;
   KernelCompiler& kernels_;
   const OcclusionKind& kind_;
   KernelNeed need_;
   std::unique_ptr<BindingSet> set_;
   SliceLength pixels_a_slice_;
-  FrameTimes times_{kScreenOcclusionStage};
+  FrameTimes times_;
 };
 
 } // namespace wavepath

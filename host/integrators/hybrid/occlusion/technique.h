@@ -1,4 +1,4 @@
-// Description of a technique of ambient occlusion in screen space, which needs no device.
+// Description of a technique of ambient occlusion without rays, which needs no device.
 #pragma once
 
 #include <span>
@@ -12,8 +12,10 @@ namespace wavepath {
 struct OcclusionKind {
   std::string_view name; // value of --occlusion
   std::string_view summary;
-  std::span<const std::string_view> settings{};        // settings that it supports besides ao-samples and ao-radius
-  const KernelProgram* program = nullptr;              // a program of one stage, with screen_space_layout()
+  std::span<const std::string_view> settings{}; // settings that it supports besides ao-samples and ao-radius
+  // A program of one stage, with screen_space_layout(), and the bindings of voxels if it needs them.
+  const KernelProgram* program = nullptr;
+  bool voxels = false;                                 // it looks at surface voxels, not at what the picture shows
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 };
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 #include "host/integrators/hybrid/reflections/mirror_planes.h"
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
 #include "kernels/hybrid/reflections/map_answer.spv.h"
 #include "kernels/hybrid/reflections/map_look_up.spv.h"
 #include "kernels/hybrid/reflections/map_rays.spv.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 #include "kernels/hybrid/reflections/reflection_types.h"
 
 namespace wavepath {

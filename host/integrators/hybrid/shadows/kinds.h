@@ -10,6 +10,6 @@ namespace wavepath {
 WAVEPATH_ROWS(ShadowKind, kShadowKinds, kShadowMap, kShadowMapId, kShadowPcf, kShadowPcss, kShadowVsm, kShadowEsm,
               kShadowEvsm, kShadowMoment, kShadowVssm, kShadowAverage, kShadowLeak, kShadowCascades, kShadowSdsm,
               kShadowLispsm, kShadowTsm, kShadowPsm, kShadowCube, kShadowParaboloid, kShadowVirtual, kShadowIzb,
-              kShadowPlanar, kShadowLightmap, kShadowProjected, kShadowZpass, kShadowZfail);
+              kShadowPlanar, kShadowLightmap, kShadowProjected, kShadowZpass, kShadowZfail, kShadowCones);
 
 } // namespace wavepath

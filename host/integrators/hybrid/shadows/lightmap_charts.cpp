@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 #include "kernels/hybrid/shadows/lightmap_types.h"
 
 namespace wavepath {

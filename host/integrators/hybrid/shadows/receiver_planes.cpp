@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 
 namespace wavepath {
 namespace {

@@ -60,6 +60,7 @@ struct ShadowKind {
   std::span<const std::string_view> settings{}; // settings that it supports besides shadow-ambient
   const KernelProgram* program = nullptr;       // its kernels, without the shaders of draws
   const ShadowMapRecipe* maps = nullptr;        // for a technique of maps; null for others
+  bool voxels = false;                          // change() gets the bindings of surface voxels
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
   // Reason why it cannot be used in a scene; empty = it can. Null = it depends on the lights alone.
   std::string (*refusal)(const PackedScene& scene) = nullptr;

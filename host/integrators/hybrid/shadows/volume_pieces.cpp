@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "host/integrators/hybrid/shadows/placed_triangles.h"
+#include "host/integrators/hybrid/raster/placed_triangles.h"
 #include "kernels/hybrid/shadows/volume_types.h"
 
 namespace wavepath {

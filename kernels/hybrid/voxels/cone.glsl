@@ -1,0 +1,84 @@
+// Cones through the levels of surface voxels (Crassin, Neyret, Sainz, Green and Eisemann 2011): from voxel to voxel
+// along the axis, each about as wide as the cone there. What passes is composed front to back.
+#ifndef WAVEPATH_CONE_GLSL
+#define WAVEPATH_CONE_GLSL
+
+#include "kernels/base/dimensions.glsl"
+#include "kernels/base/sampler.glsl"
+#include "kernels/hybrid/voxels/grid.glsl"
+
+layout(set = 0, binding = kBindSurfaceVoxels) uniform usamplerBuffer voxels;
+
+// Shift of the grid of a cone; beyond the dimensions of occlusion, two pairs.
+const uint kDimensionConeShift = kDimensionOcclusionDistance + 1u;
+
+// A voxel reaches 1 |n|_1 of its width along n from a position in it, and a shift is at most 0.5 |n|_1. A position that
+// is farther than both together from a plane with the normal n lies in no voxel that the plane crosses.
+const float kClearance = 1.5;
+float l1_norm(vec3 v) { return dot(abs(v), vec3(1.0)); }
+
+const float kNothing = 0.001; // less than 10 bits of opacity tell from it
+
+struct Cone {
+  vec3 origin;
+  vec3 direction;    // unit length
+  float t_max;       // metres
+  float widening;    // width of voxels, over that of level 0, per metre from the origin
+  float narrowing;   // the same, per metre from the end; kFar = any width
+};
+
+// Random shift of a cone's grid against the true one, in voxels. Across the cone alone: along it, a change of level would
+// jump over what lies between.
+vec3 cone_shift(Sampler s, vec3 direction) {
+  vec3 shift = vec3(sample_2d(s, kDimensionConeShift), sample_2d(s, kDimensionConeShift + 1u).x) - 0.5;
+  shift -= dot(shift, direction) * direction;
+  return shift * (0.5 / max(0.5, max(abs(shift.x), max(abs(shift.y), abs(shift.z))))); // kClearance counts on that
+}
+
+vec3 opacity_of(SurfaceLevel level, bool has_bits, ivec3 voxel) {
+  if (!is_in_level(level, voxel)) return vec3(0.0);
+  uint index = index_of_voxel(level, voxel);
+  if (has_bits) return vec3(texelFetch(voxels, int(level.first_word + index / 32u)).x >> index % 32u & 1u);
+  return unpack_opacity(texelFetch(voxels, int(level.first_word + index)).x);
+}
+
+// What passes of a way through a voxel, if its surfaces lie anywhere in it with equal probability: of a wall across an
+// axis, 1 - opacity * crossed, `crossed` being the fraction of the voxel's width that lies behind. Given what has passed
+// where the way comes in, so that a wall lets through the same in however many voxels a slanted way crosses it.
+float passing(vec3 opacity, vec3 crossed_in, vec3 crossed_out) {
+  vec3 passed = (1.0 - opacity * min(crossed_out, 1.0)) / max(1.0 - opacity * crossed_in, 1e-4);
+  return passed.x * passed.y * passed.z;
+}
+
+// True if a way in direction d has left the level for good.
+bool has_left(SurfaceLevel level, ivec3 voxel, vec3 d) {
+  return any(lessThan(mix(voxel, level.size - 1 - voxel, greaterThan(d, vec3(0.0))), ivec3(0)));
+}
+
+// Fraction of the cone that nothing blocks. `steps`: the most voxels that it visits.
+float unblocked(SurfaceGrid grid, Cone cone, vec3 shift, uint steps) {
+  vec3 d = mix(cone.direction, vec3(1e-8), lessThan(abs(cone.direction), vec3(1e-8)));
+  vec3 origin = (cone.origin - grid.lo) / grid.voxel;
+  float t_max = cone.t_max / grid.voxel, t = 0.0, passed = 1.0; // in voxels of level 0
+  for (uint step = 0u; step < steps && t < t_max && passed > kNothing; ++step) {
+    float width = min(1.0 + cone.widening * grid.voxel * t, 1.0 + cone.narrowing * grid.voxel * (t_max - t));
+    uint level_index = min(uint(log2(max(width, 1.0))), grid.levels - 1u);
+    SurfaceLevel level = fetch_surface_level(level_index);
+    float size = float(1u << level_index);
+    vec3 p = (origin + t * d) / size + shift;
+    ivec3 voxel = ivec3(floor(p));
+    if (has_left(level, voxel, d)) break;
+    vec3 place = p - vec3(voxel); // in the voxel
+    vec3 to_exit = (mix(vec3(0.0), vec3(1.0), greaterThan(d, vec3(0.0))) - place) / d;
+    float stretch = size * (min(to_exit.x, min(to_exit.y, to_exit.z)) + 1e-4);
+    bool has_bits = level_index == 0u;
+    vec3 opacity = opacity_of(level, has_bits, voxel);
+    if (has_bits && opacity.x > 0.0) return 0.0; // as narrow as a ray
+    vec3 crossed = mix(1.0 - place, place, greaterThan(d, vec3(0.0)));
+    passed *= passing(opacity, crossed, crossed + abs(d) * min(stretch, t_max - t) / size);
+    t += stretch;
+  }
+  return passed > kNothing ? passed : 0.0;
+}
+
+#endif
