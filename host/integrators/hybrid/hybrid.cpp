@@ -242,7 +242,9 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
-  frame_.far = planes.far + (reflects() ? static_cast<float>(2.0 * scene.radius) : 0.0f); // seen in a mirror
+  const ReflectionKind* mirrors = kReflectionTechniques.find(settings); // which show what is farther away
+  frame_.far =
+      planes.far + (mirrors ? static_cast<float>(2.0 * reflection_depth(*mirrors, settings) * scene.radius) : 0.0f);
   rasterizes_ = refracts() || (is_rasterizable(view) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));

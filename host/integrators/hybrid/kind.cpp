@@ -24,6 +24,7 @@
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/reflections/reflection_types.h"
 
 namespace wavepath {
 namespace {
@@ -92,7 +93,7 @@ void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings,
   const ReflectionKind* reflections = kReflectionTechniques.find(settings);
   const std::uint32_t traces = reflections && reflections->traces ? stage_bits({kExtend}) : 0;
   kernels.start({&kPathProgram, (shading ? kLocalPathStages : kLightingStages) | traces, config});
-  if (reflections) kernels.start(whole_need(*reflections->program, config));
+  if (reflections) kernels.start(reflection_need(*reflections, config, false)); // whether mirrors nest is not known yet
   if (shading) kernels.start(whole_need(*shading->program, config));
   if (const ShadowKind* shadows = kShadowTechniques.find(settings))
     kernels.start(whole_need(*shadows->program, config));
@@ -128,6 +129,12 @@ std::uint64_t shared_color_bytes(const RenderPlan& settings) {
 std::uint64_t reflection_bytes(const RenderPlan& settings) {
   const ReflectionKind* kind = kReflectionTechniques.find(settings);
   return kind ? sizeof(gpu::vec4) + kind->bytes_per_pixel : 0;
+}
+
+// Of a slot, where mirrors show mirrors.
+std::uint64_t nested_ray_bytes(const RenderPlan& settings) {
+  const ReflectionKind* kind = kReflectionTechniques.find(settings);
+  return kind && settings.max_depth > 1 && reflection_depth(*kind, settings) > 1 ? sizeof(gpu::NestedRay) : 0;
 }
 
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
@@ -192,8 +199,9 @@ std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderRes
   add_shading_bias(settings, bias);
   add_transparency_bias(settings, bias);
   if (const ReflectionKind* reflections = kReflectionTechniques.find(settings))
-    bias.push_back(fmt::format("what mirrors show of lit surfaces is {} (--reflections {})", reflections->summary,
-                               reflections->name));
+    bias.push_back(
+        fmt::format("what mirrors show of lit surfaces is {}, {} deep (--reflections {})", reflections->summary,
+                    reflection_depth(*reflections, settings) == 1 ? "one mirror" : "two mirrors", reflections->name));
   const ShadowKind* shadows = kShadowTechniques.find(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -343,8 +351,10 @@ constinit const IntegratorKind kHybrid = {
     .unsupported_reason = unsupported_reason_of,
     .features = features,
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](gpu::Feature features,
-                         const RenderPlan&) { return bytes_per_path(features, kCapacityForShadowRays); },
+    .bytes_per_slot =
+        [](gpu::Feature features, const RenderPlan& settings) {
+          return bytes_per_path(features, kCapacityForShadowRays) + nested_ray_bytes(settings);
+        },
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
