@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/beams.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
@@ -61,11 +62,13 @@ enum OwnBuffer : std::size_t {
   kColorIds,
   kColorSeen,
   kColorSignals,
-  kReflected
+  kReflected,
+  kParts
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
-                        kCapacityForReflections = 1u << 2; // bits of BufferDimensions::options
+                        kCapacityForReflections = 1u << 2,
+                        kCapacityForParts = 1u << 3; // bits of BufferDimensions::options
 
 std::uint64_t shared_colors(const BufferDimensions& e) {
   return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
@@ -100,6 +103,11 @@ const std::vector<BufferRule> kHybridRules = {
     {"reflections",
      [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindReflections, BindingKind::storage}}},
+    {"fractions of pixels",
+     [](const BufferDimensions& e) {
+       return e.options & kCapacityForParts ? e.pixels * gpu::kFractions * sizeof(float) : 0;
+     },
+     {{gpu::kBindFractions, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -125,8 +133,9 @@ bool joins_frames(const RenderPlan& settings) {
 
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
-  const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
-  const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
+  const AntialiasKind& antialias = *kAntialiasTechniques.find(settings);
+  const bool together = antialias.positions > 0 && !joins_frames(settings);
+  const std::uint32_t shared = !together ? 0 : antialias.beam ? gpu::kHybridFractions : gpu::kHybridMultisample;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
   const std::uint32_t mirrors = kReflectionTechniques.find(settings) ? gpu::kHybridReflections : 0;
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared | mirrors;
@@ -272,7 +281,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   moved |=
       buffers_.fit({.pixels = workspace_.film.pixels(),
                     .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
-                               (reflects() ? kCapacityForReflections : 0)});
+                               (reflects() ? kCapacityForReflections : 0) | (sees_parts() ? kCapacityForParts : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -283,6 +292,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
                                         buffers_[kFrame], visible_features, settings_.width, settings_.height,
                                         rasterizes_, settings_.cull);
   });
+  remake_beams();
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   const std::vector<Binding> path_bindings = own;
@@ -297,6 +307,13 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   remake_reflections(view, path_bindings);
   remake_layers(moved);
   remake_filters(moved, history);
+}
+
+void Hybrid::remake_beams() {
+  if (!sees_parts()) return beams_.reset();
+  const std::uint32_t shape = *kAntialiasTechniques.find(settings_)->beam;
+  beams_.keep(shape, [&] { return std::make_unique<Beams>(workspace_, kernels_, shape); });
+  beams_->change(need_.config, buffers_[kFrame], buffers_[kParts], visibility_->ids());
 }
 
 void Hybrid::remake_occlusion() {
@@ -402,13 +419,15 @@ bool Hybrid::is_ready() {
   const bool occlusion = !occlusion_ || occlusion_->is_ready();
   const bool shading = !shading_ || shading_->is_ready();
   const bool reflections = !reflections_ || reflections_->is_ready();
-  return kernels_.ready(need_) && paths && shadows && occlusion && shading && reflections;
+  const bool beams = !beams_ || beams_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && occlusion && shading && reflections && beams;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
          (occlusion_ ? occlusion_->get_ready() : 0.0) + (shading_ ? shading_->get_ready() : 0.0) +
-         (reflections_ ? reflections_->get_ready() : 0.0) + kernels_.best(need_).seconds();
+         (reflections_ ? reflections_->get_ready() : 0.0) + (beams_ ? beams_->get_ready() : 0.0) +
+         kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
@@ -416,7 +435,7 @@ std::uint64_t Hybrid::bytes() const {
          (filters_->denoiser ? filters_->denoiser->bytes() : 0) + (filters_->taa ? filters_->taa->bytes() : 0) +
          (filters_->each ? filters_->each->bytes() : 0) + (filters_->defocus ? filters_->defocus->bytes() : 0) +
          (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0) +
-         (reflections_ ? reflections_->bytes() : 0);
+         (reflections_ ? reflections_->bytes() : 0) + (beams_ ? beams_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -441,25 +460,36 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
-  if (multisamples()) {
+  if (multisamples() || sees_parts()) {
     frame_.sample_position = sample % kAntialiasTechniques.find(settings_)->positions;
     if (sample != next_sample_ || frame_.sample_position == 0) frame_.first_position = frame_.sample_position;
     next_sample_ = sample + 1;
   }
   frame_.jitter = jitter(queue, sample);
-  const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
-  visibility_->render(queue, camera_, prepare, shown_);
-  if (multisamples()) {
-    frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
-    queue.submit(prepare, {});
-  }
+  see(queue);
   if (shadows_) shadows_->build(queue, sample);
   if (reflections_ && !piloting_) reflections_->build(queue);
 }
 
+void Hybrid::see(WaveQueue& queue) {
+  const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
+  if (!beams_) {
+    visibility_->render(queue, camera_, prepare, shown_);
+  } else {
+    if (frame_.sample_position == frame_.first_position) {
+      beams_->find(queue, kAntialiasStage, prepare);
+      queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
+    }
+    beams_->show(queue, frame_.sample_position, prepare);
+  }
+  if (!multisamples()) return;
+  frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
+  queue.submit(prepare, {});
+}
+
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (filters_->taa || filters_->each) result.antialias = antialias_times_.cost();
+  if (filters_->taa || filters_->each || beams_) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (reflections_) result.reflections = reflections_->report();
   if (!shadows_) return;
@@ -650,6 +680,7 @@ std::optional<Pilot> Hybrid::pilot() {
 
 bool Hybrid::end_pilot() {
   piloting_ = false;
+  next_sample_ = gpu::kNone;
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
   jitters_.clear();

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/beams.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
@@ -106,6 +107,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     const KernelConfig config = kernel_config(bits, kExpectedStack, settings);
     const KernelNeed frame = hybrid_need(settings, config);
     kernels.start(frame);
+    if (kAntialiasTechniques.find(settings)->beam) kernels.start(whole_need(kBeamProgram, frame.config));
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
     const OcclusionKind* occlusion = kOcclusionTechniques.find(settings);
     if (occlusion && has_ambient(settings)) kernels.start(whole_need(*occlusion->program, frame.config));
@@ -120,10 +122,11 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
+// Of shared colours, or of the parts of a pixel.
 std::uint64_t shared_color_bytes(const RenderPlan& settings) {
-  return kAntialiasTechniques.find(settings)->positions > 0
-             ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
-             : 0;
+  const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
+  if (kind.beam) return gpu::kFractions * (sizeof(glm::uvec2) + sizeof(float));
+  return kind.positions > 0 ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4)) : 0;
 }
 
 std::uint64_t reflection_bytes(const RenderPlan& settings) {
@@ -251,12 +254,33 @@ Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& 
   return {{"technique", kAntialiasTechniques.find(settings)->name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
 
+// What looks at a frame as a whole does not find it where frames see parts of pixels.
+void check_parts_of_pixels(const RenderPlan& settings) {
+  const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
+  if (!kind.beam) return;
+  const auto refuse = [&](const char* flag) {
+    throw UsageError(flag,
+                     fmt::format("is not supported by --antialias {}, whose frames see parts of pixels", kind.name),
+                     "leave it out");
+  };
+  const TransparencyKind* transparency = kTransparencyTechniques.find(settings);
+  if (settings.denoise != kDenoiseOff) refuse("--denoise");
+  if (has_lens(settings)) refuse("--aperture");
+  if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
+  if (transparency && transparency->flag == gpu::kHybridRefractive) refuse("--transparency");
+  if (const ReflectionKind* reflections = kReflectionTechniques.find(settings);
+      reflections && reflections->searches_picture)
+    refuse("--reflections");
+  if (!settings.aovs.empty()) refuse("--aov");
+}
+
 void check_frame_settings(const RenderPlan& settings) {
   if (has_lens(settings) && settings.lens.blades > 0)
     throw UsageError("--blades", "is not known to --integrator hybrid, whose spots are discs",
                      "leave it out, or use --integrator path");
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
+  check_parts_of_pixels(settings);
 }
 
 bool has_biased_frames(const RenderPlan& settings) {

@@ -8,6 +8,6 @@
 namespace wavepath {
 
 WAVEPATH_ROWS(AntialiasKind, kAntialiasKinds, kAntialiasFilter, kAntialiasNone, kAntialiasSupersample, kAntialiasFxaa,
-              kAntialiasSmaa, kAntialiasTaa, kAntialiasMsaa, kAntialiasCsaa);
+              kAntialiasSmaa, kAntialiasTaa, kAntialiasMsaa, kAntialiasCsaa, kAntialiasBeam, kAntialiasCone);
 
 } // namespace wavepath

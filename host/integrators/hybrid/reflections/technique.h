@@ -64,6 +64,7 @@ struct ReflectionKind {
   std::uint32_t nested_stages = 0;                     // bits of those of `program` that only mirrors in mirrors need
   std::uint32_t depth = 1;                             // mirrors behind each other that it shows at most
   bool traces = false;                                 // by the path tracer's kernel `extend`
+  bool searches_picture = false;                       // for what mirrors show
   std::uint32_t bytes_per_pixel = 0;                   // of device memory, besides kBindReflections
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
   std::unique_ptr<ReflectionTechnique> (*make)(const ReflectionContext& context) = nullptr;
