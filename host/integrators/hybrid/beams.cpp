@@ -21,8 +21,9 @@ const std::array<KernelCode, kBeamStageCount> kBeamStages = {{{"find beams", wav
                                                               {"show parts", wavepath_beam_show_spv}}};
 constexpr std::array<std::size_t, kBeamStageCount> kBeamOrder = {kBeamFind, kBeamCover, kBeamPick, kBeamShow};
 
-constexpr std::uint64_t kFirstBeams = 1u << 12, kMostBeams = 1u << 15; // of a slice; the first is a guess
-constexpr std::uint32_t kShownPixels = 1u << 18;                       // of a dispatch, which copies eight bytes each
+constexpr std::uint64_t kFirstWork = 1u << 15, kMostBeams = 1u << 15; // of a slice; the first is a guess
+constexpr std::uint64_t kWorkOfABeam = 16;       // in the units of SliceLength: one takes as long as many rays
+constexpr std::uint32_t kShownPixels = 1u << 18; // of a dispatch, which copies eight bytes each
 
 std::vector<Binding> beam_layout() {
   using enum BindingKind;
@@ -41,7 +42,7 @@ std::vector<Binding> beam_layout() {
 const KernelProgram kBeamProgram = {kBeamStages, kBeamOrder, beam_layout};
 
 Beams::Beams(Workspace& workspace, KernelCompiler& kernels, std::uint32_t shape)
-    : workspace_(workspace), kernels_(kernels), shape_(shape), pixels_a_slice_(kFirstBeams) {}
+    : workspace_(workspace), kernels_(kernels), shape_(shape), work_a_slice_(kFirstWork) {}
 
 void Beams::change(const KernelConfig& config, const Buffer& hybrid, const Buffer& fractions, const Buffer& visible) {
   Device& device = workspace_.device;
@@ -65,7 +66,8 @@ void Beams::change(const KernelConfig& config, const Buffer& hybrid, const Buffe
 }
 
 void Beams::find(WaveQueue& queue, const char* stage, const std::function<void(Commands&)>& prepare) {
-  const std::uint64_t most = std::min(pixels_a_slice_.next_frame(), kMostBeams), pixels = workspace_.film.pixels();
+  const std::uint64_t most = std::min(work_a_slice_.next_frame() / kWorkOfABeam, kMostBeams),
+                      pixels = workspace_.film.pixels();
   for (std::uint64_t first = 0; first < pixels; first += most) {
     gpu::Wave wave{};
     wave.first_pixel = static_cast<std::uint32_t>(first);
@@ -81,8 +83,8 @@ void Beams::find(WaveQueue& queue, const char* stage, const std::function<void(C
       commands.barrier();
       commands.dispatch(kernels[kBeamPick], groups_for(wave.pixel_count), &wave);
     };
-    queue.submit(
-        record, {.stage = stage, .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
+    queue.submit(record,
+                 {.stage = stage, .done = [this](const Finished& finished) { work_a_slice_.note(finished.seconds); }});
   }
 }
 

@@ -41,7 +41,7 @@ private:
   KernelNeed need_;
   Buffer triangles_, areas_, ids_;
   std::unique_ptr<BindingSet> set_;
-  SliceLength pixels_a_slice_;
+  SliceLength work_a_slice_;
 };
 
 } // namespace wavepath

@@ -51,8 +51,9 @@ bool cut(Polygon piece, BeamTriangle own, BeamTriangle other, bool comes_first, 
 }
 
 void main() {
-  uint local = gl_GlobalInvocationID.x / kBeamTriangles, own_index = gl_GlobalInvocationID.x % kBeamTriangles;
-  if (local >= wave.pixel_count) return;
+  // Neighbours in a workgroup have the same place in the lists of neighbouring pixels, which are about as long.
+  uint local = gl_GlobalInvocationID.x % wave.pixel_count, own_index = gl_GlobalInvocationID.x / wave.pixel_count;
+  if (own_index >= kBeamTriangles) return;
   uint pixel_index = wave.first_pixel + local, list = local * kBeamStride;
   uvec2 pixel = uvec2(pixel_index % frame.width, pixel_index / frame.width), id = beam_triangles[list + own_index];
   float area = 0.0;

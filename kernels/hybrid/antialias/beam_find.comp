@@ -76,17 +76,21 @@ void test(uint item, uint instance) {
   if (triangle.orientation == 0.0) return;
   vec2 a = range_of(triangle.lines[0]), b = range_of(triangle.lines[1]), c = range_of(triangle.lines[2]);
   if (min(a.y, min(b.y, c.y)) <= 0.0 || is_hidden(item, instance, triangle.orientation > 0.0)) return;
-  Polygon seen = part_inside(square_of(beam_half()), triangle);
-  if (area_of(seen) <= kSmallestArea) return;
+  bool covers = min(a.x, min(b.x, c.x)) >= 0.0;
+  Polygon seen = square_of(beam_half());
+  if (!covers) {
+    seen = part_inside(seen, triangle);
+    if (area_of(seen) <= kSmallestArea) return;
+  }
   vec2 depths = vec2(kFar, 0.0);
   for (uint i = 0u; i < seen.count; ++i) {
     float depth = depth_at(triangle, seen.corners[i]);
     depths = vec2(min(depths.x, depth), max(depths.y, depth));
   }
   uint id = floatBitsToUint(texelFetch(triangles, int(item * kTriangleTexels + 1u)).w);
-  if (depths.x > farthest || is_kept(id, instance) || is_hole_at_middle(item, instance)) return;
+  if (depths.x > farthest || depths.y <= 0.0 || is_kept(id, instance) || is_hole_at_middle(item, instance)) return;
   keep(uvec2(item, instance), id, depths.x);
-  if (min(a.x, min(b.x, c.x)) >= 0.0) farthest = min(farthest, depths.y * 1.00001);
+  if (covers) farthest = min(farthest, depths.y * 1.00001);
 }
 
 // ---- the walk -------------------------------------------------------------------------------------------------------
@@ -210,8 +214,9 @@ void main() {
   kept_count = 0u;
   farthest = kFar;
   walk();
+  bool may_be_more = kept_count == kBeamTriangles || stack_size > 0u;
+  while (kept_count > 0u && kept_depths[kept_count - 1u] > farthest) --kept_count; // what a triangle hides
   for (uint i = 0u; i < kBeamTriangles; ++i)
     beam_triangles[local * kBeamStride + i] = i < kept_count ? kept[i] : uvec2(kNone);
-  bool may_be_more = kept_count == kBeamTriangles || stack_size > 0u;
   beam_triangles[local * kBeamStride + kBeamTriangles] = uvec2(may_be_more ? 1u : 0u, 0u);
 }
