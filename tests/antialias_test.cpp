@@ -1,8 +1,10 @@
 // Anti-aliasing: pictures of one colour, edges whose coverage is known, and what each technique must leave alone.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
@@ -68,9 +70,12 @@ TEST_F(AntialiasTest, OneColourStaysItself) {
   const glm::vec3 colour(0.3f, 1.7f, 5.1f);
   const Scene scene = half_plane(0.0f, 200.0f, colour);
   for (const std::string_view name : kAntialiasTechniques.names()) {
-    const Picture picture = render(scene, antialias_settings(name, 16)).picture;
+    const RenderPlan settings = antialias_settings(name, 16);
+    const Picture picture = render(scene, settings).picture;
+    // Areas of both triangles of the plane are rounded.
+    const float rounding = kAntialiasTechniques.find(settings)->beam ? 1e-6f : 0.0f;
     for (int c = 0; c < 3; ++c)
-      for (const float value : picture.channels[c].values) ASSERT_EQ(value, colour[c]) << name;
+      for (const float value : picture.channels[c].values) ASSERT_NEAR(value, colour[c], rounding * colour[c]) << name;
   }
 }
 
@@ -234,6 +239,202 @@ TEST_F(AntialiasTest, CoverageSamplesKeepTheColoursOfFourTriangles) {
   };
   EXPECT_FLOAT_EQ(first_pixels({0, 1, 2, 4}), 7.0f / 4);
   EXPECT_FLOAT_EQ(first_pixels({1, 1.5f, 2, 2.5f, 3, 3.5f, 4, 4.5f}), (1 + 1.5f + 2 + 5 * 2.5f) / 8);
+}
+
+// ---- beams and cones --------------------------------------------------------------------------------------------
+
+using Corners = std::vector<glm::dvec2>;
+
+// The part of a convex polygon on the side of a line where dot(normal, p) <= limit.
+Corners cut(const Corners& polygon, glm::dvec2 normal, double limit) {
+  Corners part;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const double from = glm::dot(normal, a) - limit, to = glm::dot(normal, b) - limit;
+    if (from <= 0.0) part.push_back(a);
+    if ((from <= 0.0) != (to <= 0.0)) part.push_back(a + (b - a) * (from / (from - to)));
+  }
+  return part;
+}
+
+double area_of(const Corners& polygon) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return 0.5 * std::abs(twice);
+}
+
+// Of a square or a disc of area 1 around a point of the picture, in pixels from its middle, y upwards: the fraction
+// below y = slope x + height.
+double exact_coverage(bool is_disc, glm::dvec2 at, double slope, double height) {
+  const glm::dvec2 normal(-slope, 1.0);
+  const double limit = height - glm::dot(normal, at);
+  if (!is_disc) return area_of(cut({{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}, normal, limit));
+  const double radius = 1.0 / std::sqrt(std::numbers::pi),
+               distance = std::clamp(limit / glm::length(normal), -radius, radius);
+  // 1 less the circular segment beyond the line.
+  return 1.0 -
+         (radius * radius * std::acos(distance / radius) - distance * std::sqrt(radius * radius - distance * distance));
+}
+
+glm::dvec2 middle_of_pixel(int i) { return {i % kSide + 0.5 - kSide / 2, kSide / 2 - (i / kSide + 0.5)}; }
+
+// Adds a triangle that shines, at a depth.
+void add_shining(Scene& scene, const std::array<glm::vec2, 3>& corners, float z, float light) {
+  Material material = plain_material();
+  material.emission = glm::vec3(light);
+  scene.materials.push_back(material);
+  std::vector<glm::vec3> placed;
+  for (const glm::vec2& corner : corners) placed.emplace_back(corner, z);
+  add_instance(scene, add_mesh(scene, placed, static_cast<std::uint32_t>(scene.materials.size() - 1)));
+}
+
+// The camera of half_plane(), and nothing else yet.
+Scene nothing() {
+  Scene scene;
+  scene.path = "test";
+  scene.cameras = half_plane(0.0f, 0.0f).cameras;
+  return scene;
+}
+
+// half_plane() as far as the picture goes: floats place small bodies more exactly.
+Scene small_half_plane(float slope, float height) {
+  Scene scene = nothing();
+  const glm::vec2 along = glm::normalize(glm::vec2(1.0f, slope)), down(along.y, -along.x), at(0.0f, height),
+                  a = at - 36.0f * along, b = at + 36.0f * along, c = b + 50.0f * down, d = a + 50.0f * down;
+  add_shining(scene, {a, d, c}, 0.0f, 1.0f);
+  add_shining(scene, {a, c, b}, 0.0f, 1.0f);
+  return scene;
+}
+
+TEST_F(AntialiasTest, BeamsAndConesCoverHalfPlanesExactly) {
+  for (const char* name : {"beam", "cone"})
+    for (const auto& [slope, height] : {std::pair(0.0f, 0.3f), std::pair(0.1f, -0.37f), std::pair(0.37f, 0.1f),
+                                        std::pair(1.0f, 0.25f), std::pair(-1.9f, 0.7f), std::pair(3.1f, 0.02f)}) {
+      const std::vector<float> picture = light(small_half_plane(slope, height), antialias_settings(name, 4));
+      for (int i = 0; i < kSide * kSide; ++i)
+        ASSERT_NEAR(picture[i], exact_coverage(*name == 'c', middle_of_pixel(i), slope, height), 1e-5)
+            << name << " " << slope << " pixel " << i % kSide << "," << i / kSide;
+    }
+}
+
+// A camera at a height above the plane that shines, which it looks at from straight above; a pixel of the plane is a
+// metre as in half_plane().
+Camera perspective_above(double height) {
+  Camera camera;
+  camera.yfov = 2.0 * std::atan(kSide / 2 / height);
+  camera.world_from_camera[3] = {0, 0, height, 1};
+  return camera;
+}
+
+TEST_F(AntialiasTest, BeamsAndConesFindTrianglesSmallerThanAPixel) {
+  const std::array<glm::vec2, 3> corners = {{{3.3f, 5.42f}, {3.55f, 5.37f}, {3.41f, 5.63f}}};
+  const double area = area_of({corners[0], corners[1], corners[2]});
+  for (const bool is_perspective : {false, true})
+    for (const char* name : {"beam", "cone"}) {
+      Scene scene = nothing();
+      if (is_perspective) scene.cameras = {perspective_above(40.0)};
+      add_shining(scene, corners, 0.0f, 1.0f);
+      const std::vector<float> picture = light(scene, antialias_settings(name, 4));
+      for (int i = 0; i < kSide * kSide; ++i) {
+        const bool holds_it = i == (kSide / 2 - 6) * kSide + kSide / 2 + 3;
+        ASSERT_NEAR(picture[i], holds_it ? area : 0.0, 1e-6) << name << " pixel " << i;
+      }
+    }
+}
+
+// In a pixel of a plane: two triangles before each other, the nearer of which lets a part of the farther be seen.
+TEST_F(AntialiasTest, BeamsAndConesSeeTheNearestOfTriangles) {
+  const double slopes[2] = {0.37, -0.9}, heights[2] = {0.3, 0.1};
+  for (const bool nearer : {false, true})
+    for (const char* name : {"beam", "cone"}) {
+      Scene scene = half_plane(0.0f, 200.0f, glm::vec3(0.25f));
+      for (int i = 0; i < 2; ++i) {
+        const auto y = [&](double x) { return static_cast<float>(slopes[i] * x + heights[i]); };
+        add_shining(scene, {{{-90, y(-90)}, {90, y(90)}, {0, -300}}}, (i == 0) == nearer ? 1.0f : 2.0f, i == 0 ? 1 : 2);
+      }
+      const std::vector<float> picture = light(scene, antialias_settings(name, 4));
+      for (int i = 0; i < kSide * kSide; ++i) {
+        const glm::dvec2 at = middle_of_pixel(i);
+        if (std::abs(at.x) > 12.0 || std::abs(at.y) > 12.0) continue; // other edges
+        const auto below = [&](int k) { return exact_coverage(*name == 'c', at, slopes[k], heights[k]); };
+        const int front = nearer ? 1 : 0, back = 1 - front;
+        // The square, or a polygon that is nearly the disc.
+        Corners shape = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+        if (*name == 'c') {
+          shape.clear();
+          for (int k = 0; k < 1024; ++k)
+            shape.push_back(
+                glm::dvec2(std::cos(k * 2.0 * std::numbers::pi / 1024), std::sin(k * 2.0 * std::numbers::pi / 1024)) /
+                std::sqrt(std::numbers::pi));
+        }
+        for (int k = 0; k < 2; ++k) {
+          const glm::dvec2 normal(-slopes[k], 1.0);
+          shape = cut(shape, normal, heights[k] - glm::dot(normal, at));
+        }
+        const double lights[2] = {1.0, 2.0}, of_front = below(front), of_back = below(back) - area_of(shape);
+        ASSERT_NEAR(picture[i], lights[front] * of_front + lights[back] * of_back + 0.25 * (1.0 - of_front - of_back),
+                    2e-5)
+            << name << " pixel " << i;
+      }
+    }
+}
+
+// Four parts of a pixel have lights of their own, and share what others cover.
+TEST_F(AntialiasTest, BeamsKeepTheFourLargestPartsOfAPixel) {
+  const auto first_pixel = [&](const std::vector<float>& lights) {
+    return light(strips(lights), antialias_settings("beam", 4))[kSide / 2 * kSide + kSide / 2];
+  };
+  EXPECT_NEAR(first_pixel({0, 1, 2, 4}), 7.0 / 4, 1e-4);
+  const float eight = first_pixel({1, 1.5f, 2, 2.5f, 3, 3.5f, 4, 4.5f});
+  EXPECT_GE(eight, 1.75f - 1e-4f);
+  EXPECT_LE(eight, 3.75f + 1e-4f);
+  std::vector<float> many; // more than a beam has room for
+  for (int i = 0; i < 30; ++i) many.push_back(1.0f + 0.1f * static_cast<float>(i));
+  EXPECT_GE(first_pixel(many), 1.0f);
+  EXPECT_LE(first_pixel(many), 4.0f);
+}
+
+// Bodies in perspective, by instances and with backs that are not seen: nearer to many samples than sixteen places.
+TEST_F(AntialiasTest, BeamsAreNearerToSupersamplingThanCoverageSamples) {
+  Scene scene = bodies();
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials[0].emission = glm::vec3(0.2f);
+  scene.materials[1].emission = glm::vec3(1.0f);
+  for (std::size_t i = 1; i < scene.meshes.size(); ++i) scene.meshes[i].primitives[0].material = 1;
+  const auto picture_of = [&](const char* name, std::uint32_t samples) {
+    return light(scene, antialias_settings(name, samples));
+  };
+  const std::vector<float> truth = picture_of("supersample", 1024);
+  const auto error_of = [&](const char* name, std::uint32_t samples) {
+    const std::vector<float> picture = picture_of(name, samples);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i) sum += (picture[i] - truth[i]) * (picture[i] - truth[i]);
+    return std::sqrt(sum / static_cast<double>(truth.size()));
+  };
+  const double beams = error_of("beam", 4), coverage_samples = error_of("csaa", 16);
+  EXPECT_GT(coverage_samples, 1e-4);
+  EXPECT_LT(beams, 0.5 * coverage_samples);
+}
+
+TEST_F(AntialiasTest, BeamsDoNotSeeBacks) {
+  Scene scene = half_plane(0.37f, 0.1f);
+  scene.materials[0].double_sided = false;
+  const std::vector<float> front = light(scene, antialias_settings("beam", 4));
+  EXPECT_EQ(front, light(half_plane(0.37f, 0.1f), antialias_settings("beam", 4)));
+  scene.cameras[0].world_from_camera = {{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -1, 0}, {0, 0, -10, 1}};
+  for (const float value : light(scene, antialias_settings("beam", 4))) ASSERT_EQ(value, 0.0f);
+}
+
+TEST_F(AntialiasTest, HowBeamsAreCutUpDoesNotMatter) {
+  Scene scene = lit_by(sun());
+  RenderPlan settings = antialias_settings("beam", 8);
+  settings.max_depth = 1;
+  const std::vector<float> whole = light(scene, settings);
+  settings.wave_slots = 700;
+  EXPECT_EQ(light(scene, settings), whole);
 }
 
 // What FXAA is known to do: it softens edges that need nothing.
@@ -402,7 +603,7 @@ TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
     const RenderPlan settings = antialias_settings(kind->name, 16);
     const RenderResult result = render(scene, settings);
     const bool runs = std::ranges::count(result.stages, "anti-aliasing", &StageTime::name) > 0;
-    EXPECT_EQ(runs, !kind->passes.empty() || kind->over_time) << kind->name;
+    EXPECT_EQ(runs, !kind->passes.empty() || kind->over_time || kind->beam) << kind->name;
     EXPECT_EQ(result.antialias.has_value(), runs) << kind->name;
     if (runs) {
       EXPECT_GT(result.antialias->median, 0.0);
@@ -423,6 +624,14 @@ TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   EXPECT_THROW(check_antialias_settings(antialias_settings("msaa", 6)), UsageError);
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("csaa", 32)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("csaa", 8)), UsageError);
+  EXPECT_THROW(check_antialias_settings(antialias_settings("beam", 6)), UsageError);
+  EXPECT_NO_THROW(kHybrid.check(antialias_settings("cone", 8)));
+  RenderPlan parts = antialias_settings("beam", 4);
+  parts.denoise = kDenoiseOn;
+  EXPECT_THROW(kHybrid.check(parts), UsageError);
+  parts = antialias_settings("cone", 4);
+  parts.aovs = {"depth"};
+  EXPECT_THROW(kHybrid.check(parts), UsageError);
   RenderPlan settings = antialias_settings("msaa", 4);
   settings.target_error = 0.1;
   EXPECT_THROW(check_antialias_settings(settings), UsageError);

@@ -261,6 +261,9 @@ TEST(Layout, Reflections) {
            AT(ReflectionFrame, axis), AT(ReflectionFrame, reach), AT(ReflectionFrame, thickness),
            AT(ReflectionFrame, tolerance), AT(ReflectionFrame, pad0), AT(ReflectionFrame, pad1),
            AT(ReflectionFrame, mirrors)});
+  compare("NestedRay", sizeof(NestedRay),
+          {AT(NestedRay, origin), AT(NestedRay, slot), AT(NestedRay, direction), AT(NestedRay, pad0),
+           AT(NestedRay, weight), AT(NestedRay, pad1)});
 }
 
 TEST(Layout, Shading) {

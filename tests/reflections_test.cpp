@@ -10,6 +10,7 @@
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/integrators/path/kind.h"
+#include "host/integrators/whitted/kind.h"
 
 namespace wavepath::test {
 namespace {
@@ -193,6 +194,136 @@ TEST_F(ReflectionsTest, MirrorsThatAreNotQuiteSmoothAgreeWithPathTracingOnAverag
   EXPECT_NEAR(reflected, truth, 0.03 * truth);
 }
 
+// ---- mirrors in mirrors -----------------------------------------------------------------------------------------
+
+// Two mirrors at 45 degrees: the camera above the first one sees the second one in it, and in that a ceiling, which
+// stands 4 metres aside of the camera. Paths over both have three bounces.
+constexpr double kAside = 4.0;
+Scene periscope(const Material& mirrors) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials = {mirrors, plain_material()};
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, 0}, {0, 0, 2}, {1.2f, -1.2f, 0})));
+  add_instance(scene, add_mesh(scene, rectangle({kAside, 0, 0}, {0, 0, 2}, {1.2f, 1.2f, 0})));
+  add_instance(scene, add_mesh(scene, rectangle({kAside, kCeiling, 0}, {2, 0, 0}, {0, 0, 2}), 1));
+  scene.lights.push_back(lamp({kAside + 0.3, kLampHeight, 0.2}));
+  scene.cameras.push_back(camera_above({0, 0, 0}, kHalf));
+  return scene;
+}
+
+TEST_F(ReflectionsTest, AMirrorInAMirrorShowsALitSurface) {
+  // The picture is that of the ceiling, whose x axis both mirrors turn. Fresnel's factor is that of Schlick, twice.
+  const double once = kMetal + (1.0 - kMetal) * std::pow(1.0 - std::sqrt(0.5), 5.0);
+  const std::vector<double> known = ceiling_light(48);
+  for (const std::string_view technique : {"traced", "planar", "stencil"}) {
+    RenderPlan settings = settings_for(technique);
+    for (const double value : added(periscope(mirror_material()), settings)) ASSERT_EQ(value, 0.0) << technique;
+    settings.max_depth = 3;
+    settings.shadow_samples = technique == "traced" ? 3 : 1;
+    const std::vector<double> reflected = added(periscope(mirror_material()), settings);
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      const double light = known[i / 48 * 48 + 47 - i % 48];
+      ASSERT_NEAR(reflected[i], once * once * light, 3e-5 * light) << technique << ", pixel " << i;
+    }
+  }
+}
+
+// Facets of both mirrors are drawn at random, each by numbers of its own.
+TEST_F(ReflectionsTest, RoughMirrorsInRoughMirrorsAgreeWithPathTracingOnAverage) {
+  Material rough = mirror_material();
+  rough.roughness = 0.25f;
+  const Scene scene = periscope(rough);
+  RenderPlan settings = settings_for("traced");
+  settings.width = settings.height = 16;
+  settings.max_depth = 3;
+  settings.last_sample = 256;
+  settings.antialias = 0;
+  RenderPlan paths = settings;
+  paths.integrator = &kPath;
+  paths.reflections = 0;
+  paths.ambient.reset();
+  paths.last_sample = 1024;
+  // What the third bounce adds: that of the ceiling.
+  const auto third = [&](RenderPlan plan) {
+    const std::vector<float> three = light(scene, plan);
+    plan.max_depth = 2;
+    const std::vector<float> two = light(scene, plan);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < three.size(); ++i) sum += three[i] - two[i];
+    return sum;
+  };
+  const double truth = third(paths);
+  EXPECT_GT(truth, 1.0);
+  EXPECT_NEAR(third(settings), truth, 0.03 * truth);
+}
+
+// Bodies between a mirror below, two that face each other, one at an angle, and a wall.
+Scene bodies_among_mirrors(double base) {
+  Scene scene = bodies_on_a_mirror(base);
+  add_instance(scene, add_mesh(scene, rectangle({0, 1.5f, -2}, {2, 0, 0}, {0, 1.5f, 0}), 1));
+  add_instance(scene, add_mesh(scene, rectangle({0, 1.5f, 3.6f}, {2, 0, 0}, {0, 1.5f, 0}), 1));
+  add_instance(scene, add_mesh(scene, rectangle({-2.2f, 1, 0}, {0.4f, 0, 1.2f}, {0, 1, 0}), 1));
+  add_instance(scene, add_mesh(scene, rectangle({2, 1.5f, 0.8f}, {0, 0, 2.8f}, {0, 1.5f, 0})));
+  return scene;
+}
+
+// Whitted's ray tracer follows perfect mirrors, and sends shadow rays from what they show. So do these frames, as deep
+// as two mirrors. Pixels are compared that show no edge, as their neighbours tell: the light of a face is the same
+// everywhere.
+TEST_F(ReflectionsTest, MirrorsInMirrorsAgreeWithWhittedsRayTracer) {
+  const Scene scene = bodies_among_mirrors(1.0);
+  RenderPlan settings = settings_for("traced");
+  settings.max_depth = 3;
+  const std::vector<float> ours = light(scene, settings);
+  settings.max_depth = 2;
+  const std::vector<float> one_deep = light(scene, settings);
+  RenderPlan rays = settings;
+  rays.integrator = &kWhitted;
+  rays.max_depth = 3;
+  rays.reflections = rays.antialias = 0;
+  rays.last_sample = 16;
+  const std::vector<float> truth = light(scene, rays);
+  std::size_t nested = 0, flat = 0, same = 0;
+  for (std::size_t y = 1; y < 47; ++y)
+    for (std::size_t x = 1; x < 47; ++x) {
+      const std::size_t i = 48 * y + x;
+      bool is_flat = true;
+      for (const std::size_t row : {i - 48, i, i + 48})
+        for (std::size_t j = row - 1; j <= row + 1; ++j) is_flat &= std::abs(ours[j] - ours[i]) <= 1e-5 * ours[i];
+      if (!is_flat) continue;
+      ++flat;
+      nested += ours[i] != one_deep[i];
+      same += std::abs(truth[i] - ours[i]) <= 1e-4 * ours[i];
+    }
+  EXPECT_GT(flat, truth.size() / 2);
+  EXPECT_GT(nested, truth.size() / 25);
+  EXPECT_GT(static_cast<double>(same), 0.99 * static_cast<double>(flat));
+}
+
+// What lies in one plane does not see itself, and costs nothing.
+TEST_F(ReflectionsTest, MirrorsInOnePlaneDoNotLookForOthers) {
+  const auto result_of = [&](const Scene& scene, std::string_view technique, std::uint32_t max_depth) {
+    RenderPlan settings = settings_for(technique);
+    settings.max_depth = max_depth;
+    return render(scene, settings);
+  };
+  const auto looks = [](const RenderResult& result) {
+    return std::ranges::count(result.stages, "mirrors in mirrors", &StageTime::name) > 0;
+  };
+  for (const std::string_view technique : {"traced", "planar", "stencil"}) {
+    const RenderResult one = result_of(bodies_on_a_mirror(), technique, 2),
+                       deep = result_of(bodies_on_a_mirror(), technique, 8),
+                       among = result_of(bodies_among_mirrors(0.9), technique, 8),
+                       shallow = result_of(bodies_among_mirrors(0.9), technique, 2);
+    EXPECT_FALSE(looks(one)) << technique;
+    EXPECT_FALSE(looks(deep)) << technique;
+    EXPECT_TRUE(looks(among)) << technique;
+    EXPECT_FALSE(looks(shallow)) << technique;
+    EXPECT_EQ(one.memory.paths, deep.memory.paths) << technique;
+    EXPECT_LT(shallow.memory.paths, among.memory.paths) << technique;
+  }
+}
+
 // ---- plane mirrors ----------------------------------------------------------------------------------------------
 
 // Boxes between a mirror below and one behind.
@@ -205,13 +336,17 @@ Scene bodies_between_mirrors() {
 // The point that a mirror shows is computed as by a ray, so that light is the same to the last bit wherever the
 // rasterizer finds the same triangle: everywhere but at silhouettes.
 TEST_F(ReflectionsTest, PlaneMirrorsHaveTheBitsOfTracedOnes) {
-  const Scene one = bodies_on_a_mirror(), two = bodies_between_mirrors();
-  for (const Scene& scene : {one, two}) {
-    const std::vector<float> traced = light(scene, settings_for("traced"));
-    const std::uint64_t asked = render(scene, settings_for("traced")).reflections->asked;
+  const Scene one = bodies_on_a_mirror(), two = bodies_between_mirrors(), four = bodies_among_mirrors(0.9);
+  for (const auto& [scene, max_depth] :
+       {std::pair(one, 2u), {two, 2u}, {two, 3u}, {four, 2u}, {four, 3u}, {four, 8u}}) {
+    RenderPlan settings = settings_for("traced");
+    settings.max_depth = max_depth;
+    const std::vector<float> traced = light(scene, settings);
+    const std::uint64_t asked = render(scene, settings).reflections->asked;
     for (const std::string_view technique : {"planar", "stencil"}) {
       SCOPED_TRACE(technique);
-      const RenderResult result = render(scene, settings_for(technique));
+      settings.reflections = index_of(kReflectionTechniques.names(), technique);
+      const RenderResult result = render(scene, settings);
       const std::vector<float>& drawn = result.picture.channels[1].values;
       std::size_t differ = 0;
       for (std::size_t i = 0; i < traced.size(); ++i) differ += traced[i] != drawn[i];
@@ -348,6 +483,10 @@ TEST_F(ReflectionsTest, HowTheWorkIsCutUpDoesNotMatter) {
     const std::vector<float> whole = light(scene, settings);
     settings.wave_slots = 700;
     EXPECT_EQ(light(scene, settings), whole) << technique;
+    settings.max_depth = 3;
+    const std::vector<float> nested = light(bodies_among_mirrors(0.9), settings);
+    settings.wave_slots = settings_for(technique).wave_slots;
+    EXPECT_EQ(light(bodies_among_mirrors(0.9), settings), nested) << technique;
   }
 }
 

@@ -116,6 +116,11 @@ class SceneMakers(unittest.TestCase):
         self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
         document, _ = read_glb((self.folder / "a.glb").read_bytes())
         self.assertEqual(sum(m["pbrMetallicRoughness"]["metallicFactor"] for m in document["materials"]), 1)
+        make(self.folder, "mirrors.py", "facing", "f.glb")
+        document, _ = read_glb((self.folder / "f.glb").read_bytes())
+        mirror = [m["name"] for m in document["materials"]].index("mirror")
+        mirrors = [p for m in document["meshes"] for p in m["primitives"] if p["material"] == mirror]
+        self.assertEqual(len(mirrors), 3)
 
     def test_things_move_in_a_room(self):
         for copy in "ab":

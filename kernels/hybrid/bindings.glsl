@@ -39,6 +39,10 @@ layout(set = 0, binding = kBindColorSeen, std430) buffer ColorSeenBlock { vec4 c
 layout(set = 0, binding = kBindColorSignals, std430) buffer ColorSignalBlock { vec4 color_signals[]; };
 #endif
 
+#ifdef BIND_FRACTIONS
+layout(set = 0, binding = kBindFractions, std430) buffer FractionBlock { float fractions[]; };
+#endif
+
 #ifdef BIND_JITTERS
 layout(set = 0, binding = kBindJitters, std430) writeonly buffer JitterBlock { vec2 jitters[]; };
 #endif

@@ -9,6 +9,7 @@
 #define BIND_SEEN
 #define BIND_LAYERS
 #define BIND_REFLECTIONS
+#define BIND_FRACTIONS
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_VISIBILITY
@@ -18,6 +19,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/base/camera.glsl"
 #include "kernels/film/film.glsl"
+#include "kernels/hybrid/fractions.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/bvh/known_triangle.glsl"
@@ -89,6 +91,8 @@ void main() {
     seen[pixel_index] = vec4(radiance, 0.0);
     return;
   }
+  float weight = frame_weight(pixel_index);
+  radiance = weight > 0.0 ? weight * radiance : vec3(0.0);
   if (!is_finite(radiance)) return;
 
   uint entry = film_index * kReplicates + hybrid.sample_index % kReplicates;

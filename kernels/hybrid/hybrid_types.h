@@ -27,6 +27,9 @@ GPU_CONSTANT uint kBindVelocities = 155u;  // storage vec2[]: pixels that a surf
 GPU_CONSTANT uint kBindColorIds = 82u;     // storage uvec2[]
 GPU_CONSTANT uint kBindColorSeen = 83u;    // storage vec4[]
 GPU_CONSTANT uint kBindColorSignals = 84u; // storage vec4[]
+// Consecutive frames see parts of each pixel (kHybridFractions), one picture for each of kFractions. Storage float[]:
+// the fraction of the pixel that the part is.
+GPU_CONSTANT uint kBindFractions = 167u;
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same position of its filter, so that the frame can be
@@ -43,7 +46,7 @@ struct HybridFrame {
   uint flags;           // kHybrid bits
   float ao_bias;        // least angle of horizons above the tangent plane, radians
   float ao_thinness;    // fraction by which what is seen behind a body lowers its horizon; 0: bodies have no back
-  uint sample_position; // kHybridMultisample: of the frame among those that share shading
+  uint sample_position; // kHybridMultisample, kHybridFractions: of the frame among those that belong together
   uint first_position;  // first of them from which on colours are kept
   uint film_width; // of the picture, in pixels; gpu::Frame has the frame's own size, which is half of it for upscaling
   uint film_height;
@@ -61,7 +64,9 @@ GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in 
 GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindColorIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
 GPU_CONSTANT uint kHybridReflections = 1u << 8; // mirrors show lit surfaces, see kBindReflections
+GPU_CONSTANT uint kHybridFractions = 1u << 9;   // frames see parts of pixels, see kBindFractions
 GPU_CONSTANT uint kSharedColors = 4u;           // triangles of a pixel whose shading frames share
+GPU_CONSTANT uint kFractions = 4u;              // parts of a pixel
 GPU_CONSTANT float kDemodulationFloor = 0.1f;   // see demodulation()
 
 // First hit of a pixel, as filters need it.

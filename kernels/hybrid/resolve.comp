@@ -14,8 +14,10 @@
 #define BIND_GBUFFER
 #define BIND_SEEN
 #define BIND_SHARED_COLORS
+#define BIND_FRACTIONS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
+#include "kernels/hybrid/fractions.glsl"
 #include "kernels/hybrid/shared_colors.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
@@ -81,8 +83,8 @@ void main() {
   float diffuse;
   gbuffer[pixel_index] = gbuffer_of(hit, pixel_index, origin, direction, diffuse);
   if (wants_lights()) seen[pixel_index] = vec4(vec3(0.0), diffuse);
-  bool shades = !multisamples() || shared_color(pixel_index).shades;
-  if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp
+  bool shades = multisamples() ? shared_color(pixel_index).shades : seen_fraction(pixel_index) > 0.0;
+  if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp, or not seen
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;
     store_ray(slot, Ray(origin, slot, direction, kFar));

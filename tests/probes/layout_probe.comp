@@ -75,5 +75,6 @@ layout(set = 0, binding = 47, std430) buffer VoxelBoxes { VoxelBox voxel_boxes[]
 layout(set = 0, binding = 43, std430) buffer PlanarPairs { PlanarPair planar_pairs[]; };
 
 layout(set = 0, binding = 48, std430) buffer ReflectionFrames { ReflectionFrame reflection_frames[]; };
+layout(set = 0, binding = 49, std430) buffer NestedRays { NestedRay nested_rays[]; };
 
 void main() {}

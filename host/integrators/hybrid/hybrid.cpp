@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/beams.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
@@ -79,12 +80,13 @@ enum OwnBuffer : std::size_t {
   kColorSeen,
   kColorSignals,
   kReflected,
-  kVelocities
+  kVelocities,
+  kParts
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
-                        kCapacityForReflections = 1u << 2,
-                        kCapacityForVelocities = 1u << 3; // bits of BufferDimensions::options
+                        kCapacityForReflections = 1u << 2, kCapacityForVelocities = 1u << 3,
+                        kCapacityForParts = 1u << 4; // bits of BufferDimensions::options
 
 std::uint64_t shared_colors(const BufferDimensions& e) {
   return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
@@ -122,6 +124,11 @@ const std::vector<BufferRule> kHybridRules = {
     {"velocities",
      [](const BufferDimensions& e) { return e.options & kCapacityForVelocities ? e.pixels * sizeof(gpu::vec2) : 0; },
      {{gpu::kBindVelocities, BindingKind::storage}}},
+    {"fractions of pixels",
+     [](const BufferDimensions& e) {
+       return e.options & kCapacityForParts ? e.pixels * gpu::kFractions * sizeof(float) : 0;
+     },
+     {{gpu::kBindFractions, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -159,8 +166,9 @@ void halve(View& view, RenderPlan& settings) {
 
 // Flags that depend on the settings alone.
 std::uint32_t frame_flags(const RenderPlan& settings) {
-  const bool shares = kAntialiasTechniques.find(settings)->positions > 0 && !joins_frames(settings);
-  const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
+  const AntialiasKind& antialias = *kAntialiasTechniques.find(settings);
+  const bool together = antialias.positions > 0 && !joins_frames(settings);
+  const std::uint32_t shared = !together ? 0 : antialias.beam ? gpu::kHybridFractions : gpu::kHybridMultisample;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
   const std::uint32_t mirrors = kReflectionTechniques.find(settings) ? gpu::kHybridReflections : 0;
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared | mirrors;
@@ -285,7 +293,9 @@ void Hybrid::make_frame(const View& view, const RenderPlan& settings, TemporalHi
   frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
-  frame_.far = planes.far + (reflects() ? static_cast<float>(2.0 * scene.radius) : 0.0f); // seen in a mirror
+  const ReflectionKind* mirrors = kReflectionTechniques.find(settings); // which show what is farther away
+  frame_.far =
+      planes.far + (mirrors ? static_cast<float>(2.0 * reflection_depth(*mirrors, settings) * scene.radius) : 0.0f);
   rasterizes_ = refracts() || (is_rasterizable(view) && !blurs_motion(settings) &&
                                rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
@@ -323,7 +333,8 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   moved |= buffers_.fit(
       {.pixels = workspace_.film.pixels(),
        .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
-                  (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0)});
+                  (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0) |
+                  (sees_parts() ? kCapacityForParts : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -334,6 +345,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
                                         buffers_[kFrame], visible_features, settings_.width, settings_.height,
                                         rasterizes_, settings_.cull);
   });
+  remake_beams();
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   const std::vector<Binding> path_bindings = own;
@@ -349,6 +361,13 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   remake_reflections(view, path_bindings);
   remake_layers(moved);
   remake_filters(moved, history);
+}
+
+void Hybrid::remake_beams() {
+  if (!sees_parts()) return beams_.reset();
+  const std::uint32_t shape = *kAntialiasTechniques.find(settings_)->beam;
+  beams_.keep(shape, [&] { return std::make_unique<Beams>(workspace_, kernels_, shape); });
+  beams_->change(need_.config, buffers_[kFrame], buffers_[kParts], visibility_->ids());
 }
 
 void Hybrid::remake_occlusion() {
@@ -468,21 +487,22 @@ bool Hybrid::is_ready() {
   const bool occlusion = !occlusion_ || occlusion_->is_ready();
   const bool shading = !shading_ || shading_->is_ready();
   const bool reflections = !reflections_ || reflections_->is_ready();
-  return kernels_.ready(need_) && paths && voxels && shadows && occlusion && shading && reflections;
+  const bool beams = !beams_ || beams_->is_ready();
+  return kernels_.ready(need_) && paths && voxels && shadows && occlusion && shading && reflections && beams;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
          (voxels_ ? voxels_->get_ready() : 0.0) + (occlusion_ ? occlusion_->get_ready() : 0.0) +
          (shading_ ? shading_->get_ready() : 0.0) + (reflections_ ? reflections_->get_ready() : 0.0) +
-         kernels_.best(need_).seconds();
+         (beams_ ? beams_->get_ready() : 0.0) + kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
   const auto of = [](const auto& part) { return part ? part->bytes() : 0; };
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + of(filters_->denoiser) + of(filters_->taa) +
          of(filters_->each) + of(filters_->defocus) + of(filters_->motion_blur) + of(shadows_) + of(shading_) +
-         of(layers_) + of(reflections_) + of(voxels_);
+         of(layers_) + of(reflections_) + of(voxels_) + of(beams_);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -519,27 +539,38 @@ glm::vec2 Hybrid::jitter_of_half(glm::vec2 jitter, std::uint32_t sample) {
 
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
-  if (multisamples()) {
+  if (multisamples() || sees_parts()) {
     frame_.sample_position = sample % kAntialiasTechniques.find(settings_)->positions;
     if (sample != next_sample_ || frame_.sample_position == 0) frame_.first_position = frame_.sample_position;
     next_sample_ = sample + 1;
   }
   frame_.jitter = jitter(queue, sample);
   if (upscales(settings_)) frame_.jitter = jitter_of_half(frame_.jitter, sample);
-  const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
-  visibility_->render(queue, camera_, prepare, shown_);
-  if (multisamples()) {
-    frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
-    queue.submit(prepare, {});
-  }
+  see(queue);
   if (voxels_) voxels_->build(queue);
   if (shadows_) shadows_->build(queue, sample);
   if (reflections_ && !piloting_) reflections_->build(queue);
 }
 
+void Hybrid::see(WaveQueue& queue) {
+  const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
+  if (!beams_) {
+    visibility_->render(queue, camera_, prepare, shown_);
+  } else {
+    if (frame_.sample_position == frame_.first_position) {
+      beams_->find(queue, kAntialiasStage, prepare);
+      queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
+    }
+    beams_->show(queue, frame_.sample_position, prepare);
+  }
+  if (!multisamples()) return;
+  frame_.jitter = glm::vec2(0.0f); // positions are seen, centres are shaded
+  queue.submit(prepare, {});
+}
+
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (filters_->taa || filters_->each) result.antialias = antialias_times_.cost();
+  if (filters_->taa || filters_->each || beams_) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (reflections_) result.reflections = reflections_->report();
   if (!shadows_) return;
@@ -769,6 +800,7 @@ std::optional<Pilot> Hybrid::pilot() {
 
 bool Hybrid::end_pilot() {
   piloting_ = false;
+  next_sample_ = gpu::kNone;
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
   jitters_.clear();

@@ -26,6 +26,7 @@ namespace wavepath {
 
 inline constexpr gpu::Feature kHybridLacks = gpu::kFeatureVoxels; // what no frame can show of a scene
 
+class Beams;                // host/integrators/hybrid/beams.h
 class Denoiser;             // host/integrators/hybrid/denoise.h
 class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
@@ -77,6 +78,7 @@ private:
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool reflects() const { return frame_.flags & gpu::kHybridReflections; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
+  bool sees_parts() const { return frame_.flags & gpu::kHybridFractions; }
   struct Filters; // filters of finished frames
   void make_frame(const View& view, const RenderPlan& settings, TemporalHistory history);
   void allocate(const View& view, TemporalHistory history);
@@ -84,6 +86,7 @@ private:
   Filters make_filters();
   void remake_voxels();
   void remake_shadows(const View& view, const std::vector<Binding>& own);
+  void remake_beams();
   void remake_occlusion();
   void remake_shading(const std::vector<Binding>& own);
   void remake_layers(bool moved);
@@ -92,6 +95,7 @@ private:
   glm::vec2 jitter_of_half(glm::vec2 jitter, std::uint32_t sample);
   std::uint32_t frame_index(std::uint32_t film_index) const;
   gpu::Wave wave_of_frame(gpu::Wave wave) const;
+  void see(WaveQueue& queue);
   // `shadows`: null = all shadows are traced.
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows);
   // By a kernel of one lane a pixel, row by row.
@@ -122,6 +126,7 @@ private:
   KernelNeed need_;
   Kept<Visibility, glm::u64vec4> visibility_;     // key: width, height, features, and the options of Visibility
   std::vector<std::unique_ptr<BindingSet>> sets_; // one for each band
+  Kept<Beams, std::uint32_t> beams_;              // key: their shape; null if frames see whole pixels
   FrameTimes antialias_times_;
   Kept<SurfaceVoxels, std::uint32_t> voxels_;        // null if nothing traces cones; key: voxels along a side
   Kept<ShadowTechnique, const ShadowKind*> shadows_; // null if shadow rays are traced
@@ -140,7 +145,7 @@ private:
   Kept<Filters, glm::uvec4> filters_;                            // key: size, flags, kinds of filters
   std::vector<glm::vec2> jitters_; // positions in the pixel of the frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
-  std::uint32_t next_sample_ = 0;           // sample whose frame may use the shading of earlier ones
+  std::uint32_t next_sample_ = 0;           // sample whose frame may use the shading, or the beams, of earlier ones
   std::vector<std::uint32_t> pilot_pixels_; // pixels of the pilot, row-major
 };
 

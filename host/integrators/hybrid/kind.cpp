@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/beams.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
@@ -28,6 +29,7 @@
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/reflections/reflection_types.h"
 
 namespace wavepath {
 namespace {
@@ -101,7 +103,7 @@ void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings,
   const ReflectionKind* reflections = kReflectionTechniques.find(settings);
   const std::uint32_t traces = reflections && reflections->traces ? stage_bits({kExtend}) : 0;
   kernels.start({&kPathProgram, (shading ? kLocalPathStages : kLightingStages) | traces, config});
-  if (reflections) kernels.start(whole_need(*reflections->program, config));
+  if (reflections) kernels.start(reflection_need(*reflections, config, false)); // whether mirrors nest is not known yet
   if (shading) kernels.start(whole_need(*shading->program, config));
   if (const ShadowKind* shadows = kShadowTechniques.find(settings))
     kernels.start(whole_need(*shadows->program, config));
@@ -114,6 +116,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     const KernelConfig config = kernel_config(bits, kExpectedStack, settings);
     const KernelNeed frame = hybrid_need(settings, config);
     kernels.start(frame);
+    if (kAntialiasTechniques.find(settings)->beam) kernels.start(whole_need(kBeamProgram, frame.config));
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
     const OcclusionKind* occlusion = kOcclusionTechniques.find(settings);
     if (occlusion && has_ambient(settings)) kernels.start(whole_need(*occlusion->program, frame.config));
@@ -129,10 +132,11 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
+// Of shared colours, or of the parts of a pixel.
 std::uint64_t shared_color_bytes(const RenderPlan& settings) {
-  return kAntialiasTechniques.find(settings)->positions > 0
-             ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
-             : 0;
+  const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
+  if (kind.beam) return gpu::kFractions * (sizeof(glm::uvec2) + sizeof(float));
+  return kind.positions > 0 ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4)) : 0;
 }
 
 std::uint64_t reflection_bytes(const RenderPlan& settings) {
@@ -142,6 +146,12 @@ std::uint64_t reflection_bytes(const RenderPlan& settings) {
 
 std::vector<MemoryItem> voxel_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
   return {{"surface voxels", uses_voxels(settings) ? most_voxel_bytes(settings.voxels) : 0}};
+}
+
+// Of a slot, where mirrors show mirrors.
+std::uint64_t nested_ray_bytes(const RenderPlan& settings) {
+  const ReflectionKind* kind = kReflectionTechniques.find(settings);
+  return kind && settings.max_depth > 1 && reflection_depth(*kind, settings) > 1 ? sizeof(gpu::NestedRay) : 0;
 }
 
 std::uint64_t bytes_per_pixel(const RenderPlan& settings) {
@@ -208,8 +218,9 @@ std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderRes
   add_shading_bias(settings, bias);
   add_transparency_bias(settings, bias);
   if (const ReflectionKind* reflections = kReflectionTechniques.find(settings))
-    bias.push_back(fmt::format("what mirrors show of lit surfaces is {} (--reflections {})", reflections->summary,
-                               reflections->name));
+    bias.push_back(
+        fmt::format("what mirrors show of lit surfaces is {}, {} deep (--reflections {})", reflections->summary,
+                    reflection_depth(*reflections, settings) == 1 ? "one mirror" : "two mirrors", reflections->name));
   const ShadowKind* shadows = kShadowTechniques.find(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -266,6 +277,27 @@ Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& 
   return {{"technique", kAntialiasTechniques.find(settings)->name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
 
+// What looks at a frame as a whole does not find it where frames see parts of pixels.
+void check_parts_of_pixels(const RenderPlan& settings) {
+  const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
+  if (!kind.beam) return;
+  const auto refuse = [&](const char* flag) {
+    throw UsageError(flag,
+                     fmt::format("is not supported by --antialias {}, whose frames see parts of pixels", kind.name),
+                     "leave it out");
+  };
+  const TransparencyKind* transparency = kTransparencyTechniques.find(settings);
+  if (settings.denoise != kDenoiseOff) refuse("--denoise");
+  if (has_lens(settings)) refuse("--aperture");
+  if (blurs_motion(settings)) refuse("--shutter");
+  if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
+  if (transparency && transparency->flag == gpu::kHybridRefractive) refuse("--transparency");
+  if (const ReflectionKind* reflections = kReflectionTechniques.find(settings);
+      reflections && reflections->searches_picture)
+    refuse("--reflections");
+  if (!settings.aovs.empty()) refuse("--aov");
+}
+
 void check_frame_settings(const RenderPlan& settings) {
   if (has_lens(settings) && settings.lens.blades > 0)
     throw UsageError("--blades", "is not known to --integrator hybrid, whose spots are discs",
@@ -274,6 +306,7 @@ void check_frame_settings(const RenderPlan& settings) {
   check_occlusion_settings(settings);
   check_antialias_settings(settings);
   check_voxel_settings(settings);
+  check_parts_of_pixels(settings);
 }
 
 bool has_biased_frames(const RenderPlan& settings) {
@@ -370,8 +403,10 @@ constinit const IntegratorKind kHybrid = {
     .unsupported_reason = unsupported_reason_of,
     .features = features,
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](gpu::Feature features,
-                         const RenderPlan&) { return bytes_per_path(features, kCapacityForShadowRays); },
+    .bytes_per_slot =
+        [](gpu::Feature features, const RenderPlan& settings) {
+          return bytes_per_path(features, kCapacityForShadowRays) + nested_ray_bytes(settings);
+        },
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,

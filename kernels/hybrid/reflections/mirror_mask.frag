@@ -1,4 +1,5 @@
-// Marks the pixels that show a plane mirror, which sees nothing yet. Push constant: first_sample = the mirror.
+// Marks the pixels that show a plane mirror, which sees nothing yet: of the frame or, where it is that of a mirrored
+// camera, of what the first mirror shows. Push constant: first_sample = the picture.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

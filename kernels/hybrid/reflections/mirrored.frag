@@ -1,6 +1,6 @@
 // Writes what a pixel sees in a plane mirror: the index of the triangle and its instance. What is behind the mirror,
 // and the mirror itself, is cut away point by point, since clip distances are an optional feature. The camera is that
-// of the frame, mirrored. Push constant: first_sample = the mirror, bounce = that of mirrored rays.
+// of the frame, mirrored once or twice. Push constant: first_sample = the picture, bounce = that of mirrored rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -21,8 +21,11 @@ layout(location = 1) flat in uint instance;
 layout(location = 2) flat in uint hidden_sides; // 1: the clockwise one, 2: the other
 layout(location = 0) out uvec2 seen;
 
-// The mirrored picture turns triangles over.
-bool is_hidden() { return CULLS_ALL_BACKS && (hidden_sides & (gl_FrontFacing ? 1u : 2u)) != 0u; }
+// A mirrored picture turns triangles over, one that is mirrored again turns them back.
+bool is_hidden() {
+  bool turned = dot(cross(frame.camera_right, frame.camera_up), frame.camera_forward) > 0.0;
+  return CULLS_ALL_BACKS && (hidden_sides & (gl_FrontFacing != turned ? 2u : 1u)) != 0u;
+}
 
 void main() {
   if (is_hidden()) discard;

@@ -1,5 +1,5 @@
-// What the mirrored rays have met becomes what shading takes for first hits. Paths begin with the ambient term there,
-// which has no occlusion.
+// What the mirrored rays have met becomes what shading takes for first hits. Paths gain the ambient term there, which
+// has no occlusion.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -34,6 +34,6 @@ void main() {
   Hit hit = fetch_hit(index);
   if (hit.triangle == kNone || !wants_ambient()) return;
   PathState path = fetch_path(ray.slot);
-  path.radiance = path.throughput * ambient_light(hit, ray.direction);
+  path.radiance += path.throughput * ambient_light(hit, ray.direction);
   store_radiance(ray.slot, path);
 }

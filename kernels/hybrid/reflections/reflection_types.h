@@ -13,12 +13,17 @@ GPU_CONSTANT uint kBindReflectionCounts = 133u; // storage uint[kReflectionCount
 
 // Texels RG32UI, one a pixel: what the frame shows in one plane mirror, as kBindVisibility.
 GPU_CONSTANT uint kBindMirrorPicture = 134u;
-// Storage uvec2[], one a pixel: what it shows in its own mirror; kNone and kNoMirror where it shows none.
+// Storage uvec2[], one a pixel: what it shows in its own mirror; kNone and kNoMirror where it shows none. Where mirrors
+// show mirrors, as many follow: what the mirror in the mirror shows.
 GPU_CONSTANT uint kBindMirrorIds = 135u;
 GPU_CONSTANT uint kBindNearness = 136u; // storage float[]: levels of a pyramid over the picture, the finest one first
 GPU_CONSTANT uint kBindReflectionMap = 137u; // storage vec4[], one a texel: radiance, unused
+// Storage uint[4], of which the first is the number of what follows, NestedRay[]: rays of mirrors that mirrors show.
+GPU_CONSTANT uint kBindNestedRays = 163u;
 
 GPU_CONSTANT uint kMostMirrors = 4u; // planes
+// What each of them shows, and what it shows of each other one.
+GPU_CONSTANT uint kMostPictures = kMostMirrors * kMostMirrors;
 GPU_CONSTANT uint kNoMirror = 0xfffffffeu;
 
 // Kinds of maps: faces of a cube; one face, as a mirrored ball shows it; faces of a cube that show the sides of a box.
@@ -44,17 +49,30 @@ struct ReflectionFrame {
   float tolerance; // metres up to which a point lies in a plane mirror
   uint pad0;
   uint pad1;
-  vec4 mirrors[kMostMirrors]; // planes of mirrors: unit normal towards the eye, offset
+  // Planes of pictures in mirrors: unit normal, offset. Normals point towards the eye or, of mirrors in mirrors,
+  // towards the eye as the first mirror shows it.
+  vec4 mirrors[kMostPictures];
 };
-GPU_CHECK(sizeof(ReflectionFrame) == 80 + 16 * kMostMirrors);
+GPU_CHECK(sizeof(ReflectionFrame) == 80 + 16 * kMostPictures);
 
-// Values of a wave's `bounce` for reflect.comp: the facets of mirrors that are not quite smooth are drawn at random, or
-// all are taken to lie in the surface.
+// The ray of a mirror that a mirror shows.
+struct NestedRay {
+  vec3 origin;
+  uint slot;
+  vec3 direction;
+  uint pad0;
+  vec3 weight; // light that gets to the eye for light that comes along the ray
+  uint pad1;
+};
+GPU_CHECK(sizeof(NestedRay) == 48);
+
+// Values of a wave's `bounce` for reflect.comp and reflect_nested.comp: the facets of mirrors that are not quite smooth
+// are drawn at random, or all are taken to lie in the surface.
 GPU_CONSTANT uint kMirrorsDraw = 0u;
 GPU_CONSTANT uint kMirrorsIdeal = 1u;
 
 // 64-bit totals in two words each, low word first.
-GPU_CONSTANT uint kCountAsked = 0u;    // samples of pixels that show a mirror
+GPU_CONSTANT uint kCountAsked = 0u; // samples of pixels that show a mirror, and again where that shows another one
 GPU_CONSTANT uint kCountAnswered = 2u; // those of them for which the technique knows what the mirror shows
 GPU_CONSTANT uint kReflectionCounts = 4u;
 

@@ -8,6 +8,7 @@
 namespace wavepath {
 
 WAVEPATH_ROWS(AntialiasKind, kAntialiasKinds, kAntialiasFilter, kAntialiasNone, kAntialiasSupersample, kAntialiasFxaa,
-              kAntialiasSmaa, kAntialiasTaa, kAntialiasMsaa, kAntialiasCsaa, kAntialiasUpscale);
+              kAntialiasSmaa, kAntialiasTaa, kAntialiasMsaa, kAntialiasCsaa, kAntialiasUpscale, kAntialiasBeam,
+              kAntialiasCone);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Refusals of all techniques whose frames share shading.
+// Refusals of all techniques whose frames belong together.
 #pragma once
 
 #include <string>

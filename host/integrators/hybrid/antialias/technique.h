@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -19,9 +20,12 @@ struct AntialiasKind {
   // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random position of the pixel filter.
   glm::vec2 (*position)(std::uint32_t sample, std::uint32_t total) = nullptr;
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
-  std::uint32_t positions = 0; // of consecutive frames, which share shading, see kHybridMultisample; 0 = none do
-  bool over_time = false;      // joins frames to those before, by the only pass, or as Taa does without one
-  bool halves = false;         // frames have half the size, and the pass joins them at the picture's
+  // Number of consecutive frames that belong together: they share shading, see kHybridMultisample, or see the parts of
+  // pixels, see kHybridFractions. 0 = none do.
+  std::uint32_t positions = 0;
+  std::optional<std::uint32_t> beam{}; // kBeam constant: beams of this shape find the parts of pixels
+  bool over_time = false;              // joins frames to those before, by the only pass, or as Taa does without one
+  bool halves = false;                 // frames have half the size, and the pass joins them at the picture's
   bool is_biased = true;
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
 

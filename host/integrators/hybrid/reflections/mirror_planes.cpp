@@ -30,10 +30,25 @@ void take_in(std::vector<MirrorPlane>& planes, const std::array<glm::dvec3, 3>& 
     return std::abs(glm::dot(plane.normal, normal)) >= kParallel &&
            std::abs(glm::dot(plane.normal, corners[0]) + plane.offset) <= tolerance;
   });
-  if (found != planes.end())
-    found->area += 0.5 * length;
-  else if (planes.size() < kMostCandidates)
-    planes.push_back({normal, -glm::dot(normal, corners[0]), 0.5 * length});
+  const bool is_new = found == planes.end();
+  if (is_new && planes.size() == kMostCandidates) return;
+  if (is_new) planes.push_back({normal, -glm::dot(normal, corners[0]), 0.0, corners[0], corners[0]});
+  MirrorPlane& plane = is_new ? planes.back() : *found;
+  plane.area += 0.5 * length;
+  for (const glm::dvec3& corner : corners)
+    plane.low = glm::min(plane.low, corner), plane.high = glm::max(plane.high, corner);
+}
+
+// Calls visit() with the corners of each triangle for which `wanted` is true, in each place; until it returns false.
+template <typename Wanted, typename Visit>
+void for_each_placed(const PackedScene& scene, const Wanted& wanted, const Visit& visit) {
+  bool goes_on = true;
+  for (const Draw& draw : scene.draws)
+    for_each_triangle(scene, draw, [&](std::uint32_t t) {
+      if (!goes_on || !wanted(scene.triangles[t])) return;
+      for (std::uint32_t i = draw.first_instance; goes_on && i < draw.first_instance + draw.instance_count; ++i)
+        goes_on = visit(placed_corners(scene.triangles[t], instance_of(scene, i)));
+    });
 }
 
 } // namespace
@@ -57,16 +72,41 @@ double mirror_tolerance(const PackedScene& scene) { return kTolerance * scene.ra
 std::vector<MirrorPlane> mirror_planes(const PackedScene& scene, double threshold) {
   std::vector<MirrorPlane> planes;
   const double tolerance = mirror_tolerance(scene);
-  for (const Draw& draw : scene.draws)
-    for_each_triangle(scene, draw, [&](std::uint32_t t) {
-      const gpu::Triangle& triangle = scene.triangles[t];
-      if (!is_plane_mirror(scene, triangle, threshold)) return;
-      for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i)
-        take_in(planes, placed_corners(triangle, instance_of(scene, i)), tolerance);
-    });
+  for_each_placed(
+      scene, [&](const gpu::Triangle& triangle) { return is_plane_mirror(scene, triangle, threshold); },
+      [&](const std::array<glm::dvec3, 3>& corners) {
+        take_in(planes, corners, tolerance);
+        return true;
+      });
   std::ranges::stable_sort(planes, std::ranges::greater(), &MirrorPlane::area);
   planes.resize(std::min<std::size_t>(planes.size(), gpu::kMostMirrors));
   return planes;
+}
+
+bool lie_in_one_plane(const PackedScene& scene, double threshold) {
+  if (std::ranges::none_of(scene.materials, [&](const auto& material) { return is_mirror(material, threshold); }))
+    return true;
+  std::vector<MirrorPlane> planes; // of the first triangle that is not degenerate
+  const double tolerance = mirror_tolerance(scene);
+  bool in_one = true;
+  const auto wanted = [&](const gpu::Triangle& triangle) {
+    return is_mirror(scene.materials[triangle.surface & gpu::kTriangleMaterialMask], threshold);
+  };
+  for_each_placed(scene, wanted, [&](const std::array<glm::dvec3, 3>& corners) {
+    if (planes.empty()) take_in(planes, corners, tolerance);
+    if (planes.empty()) return true;
+    in_one = std::ranges::all_of(corners, [&](const glm::dvec3& corner) {
+      return std::abs(glm::dot(planes[0].normal, corner) + planes[0].offset) <= tolerance;
+    });
+    return in_one;
+  });
+  return in_one;
+}
+
+bool reaches_in_front(const MirrorPlane& mirrors, const MirrorPlane& plane, double tolerance) {
+  glm::dvec3 farthest;
+  for (int axis = 0; axis < 3; ++axis) farthest[axis] = (plane.normal[axis] > 0.0 ? mirrors.high : mirrors.low)[axis];
+  return glm::dot(plane.normal, farthest) + plane.offset > tolerance;
 }
 
 } // namespace wavepath

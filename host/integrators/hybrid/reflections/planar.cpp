@@ -1,27 +1,34 @@
 // Plane mirrors by pictures of the mirrored scene (Diefenbach and Badler 1997): each plane has a whole picture, of
-// which the pixels that show it take theirs. What is seen in other mirrors is missed.
+// which the pixels that show it take theirs; so has each plane that another one shows.
 #include <algorithm>
 #include <array>
 
 #include "host/integrators/hybrid/reflections/kinds.h"
 #include "host/integrators/hybrid/reflections/pictured.h"
 #include "kernels/hybrid/reflections/mirror_pick.spv.h"
+#include "kernels/hybrid/reflections/mirror_pick_nested.spv.h"
 #include "kernels/hybrid/reflections/reflect.spv.h"
 #include "kernels/hybrid/reflections/reflect_answer.spv.h"
 #include "kernels/hybrid/reflections/reflect_meet.spv.h"
+#include "kernels/hybrid/reflections/reflect_nested.spv.h"
+#include "kernels/hybrid/reflections/reflect_nested_queue.spv.h"
 #include "kernels/hybrid/reflections/reflect_pictured.spv.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kPick = kPictured + 1, kPlanarStageCount = kPick + 1;
+constexpr std::size_t kPick = kPictured + 1, kPickNested = kPick + 1, kPlanarStageCount = kPickNested + 1;
 const std::array<KernelCode, kPlanarStageCount> kPlanarStages = {
     {{"reflect", wavepath_reflect_spv},
      {"meet reflected", wavepath_reflect_meet_spv},
      {"answer reflected", wavepath_reflect_answer_spv},
+     {"mirrors in mirrors", wavepath_reflect_nested_spv},
+     {"queue of mirrors in mirrors", wavepath_reflect_nested_queue_spv},
      {"pictured reflections", wavepath_reflect_pictured_spv},
-     {"pick mirrors", wavepath_mirror_pick_spv}}};
-constexpr std::array<std::size_t, kPlanarStageCount> kPlanarOrder = {kReflect, kMeet, kPick, kPictured, kAnswer};
+     {"pick mirrors", wavepath_mirror_pick_spv},
+     {"pick mirrors in mirrors", wavepath_mirror_pick_nested_spv}}};
+constexpr std::array<std::size_t, kPlanarStageCount> kPlanarOrder = {kReflect, kNested,   kMeet,   kPickNested,
+                                                                     kPick,    kPictured, kAnswer, kNestedQueue};
 
 std::vector<Binding> planar_layout() {
   std::vector<Binding> layout = pictured_layout();
@@ -46,7 +53,7 @@ public:
   }
 
   void build(WaveQueue& queue) override {
-    for (std::uint32_t i = 0; i < mirror_count(); ++i)
+    for (std::uint32_t i = 0; i < picture_count(); ++i)
       draw(
           queue, i, *pipeline_, kClearAll, [](Commands&) {}, [this, i](Commands& commands) { pick(commands, i); });
   }
@@ -58,7 +65,7 @@ protected:
     Device& device = context_.workspace.device;
     target_ = std::make_unique<RasterTarget>(device, width, height, kMirroredAttachments);
     pipeline_ = std::make_unique<RasterPipeline>(device, kMirroredCode, kMirroredAttachments, RasterState{},
-                                                 drawn_with(0), constants);
+                                                 picture(0).bindings, constants);
   }
   void add_bindings(std::vector<Binding>& bindings) override {
     PicturedReflections::add_bindings(bindings);
@@ -66,17 +73,20 @@ protected:
   }
 
 private:
-  void pick(Commands& commands, std::uint32_t mirror) {
+  void pick(Commands& commands, std::uint32_t index) {
+    const bool nested = picture(index).is_nested();
     target_->image(0).copy_to(commands.handle(), picture_);
     commands.barrier();
     commands.bind(bindings(0));
     const std::uint32_t pixels = context_.workspace.frame.width * context_.workspace.frame.height;
     for (std::uint32_t first = 0; first < pixels; first += kPickedPixels) {
       gpu::Wave wave{};
-      wave.first_sample = mirror;
+      wave.first_sample = index;
+      wave.bounce = picture(index).first;
+      wave.sample_count = is_first_of_kind(index) ? 1 : 0;
       wave.first_pixel = first;
       wave.pixel_count = std::min(kPickedPixels, pixels - first);
-      commands.dispatch(kernels()[kPick], groups_for(wave.pixel_count), &wave);
+      commands.dispatch(kernels()[nested ? kPickNested : kPick], groups_for(wave.pixel_count), &wave);
     }
   }
 
@@ -90,7 +100,9 @@ constinit const ReflectionKind kReflectionPlanar = {
     .name = "planar",
     .summary = "drawn by mirrored cameras, of plane mirrors alone (Diefenbach and Badler 1997)",
     .program = &kPlanarReflectionProgram,
-    .bytes_per_pixel = 28,
+    .nested_stages = kNestedRayStages | 1u << kPickNested,
+    .depth = 2,
+    .bytes_per_pixel = 36,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<PlanarReflections>(context);
     },

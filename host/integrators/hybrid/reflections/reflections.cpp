@@ -26,7 +26,7 @@ Reflections::Reflections(const ReflectionContext& context)
 
 void Reflections::change(const View&, const RenderPlan& settings, const KernelConfig& config,
                          const std::vector<Binding>& shared) {
-  need_ = whole_need(*context_.kind.program, config);
+  need_ = reflection_need(context_.kind, config, nests_);
   context_.kernels.start(need_);
   frame_.threshold = static_cast<float>(settings.reflection_threshold);
   std::vector<Binding> own = shared;

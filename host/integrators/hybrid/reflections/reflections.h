@@ -35,6 +35,7 @@ protected:
 
   const ReflectionContext context_;
   gpu::ReflectionFrame frame_{};
+  bool nests_ = false; // mirrors show mirrors; change() compiles what that needs
 
 private:
   KernelNeed need_;

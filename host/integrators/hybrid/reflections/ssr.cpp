@@ -94,6 +94,7 @@ constinit const ReflectionKind kReflectionSsr = {
     .name = "ssr",
     .summary = "found by a march over the picture, which misses what it does not show (Uludag 2014)",
     .program = &kScreenProgram,
+    .searches_picture = true,
     .bytes_per_pixel = 6,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<ScreenReflections>(context);

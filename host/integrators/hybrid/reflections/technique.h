@@ -3,6 +3,7 @@
 // mirrors show of them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -60,10 +61,25 @@ struct ReflectionKind {
   std::string_view summary;
   std::span<const std::string_view> settings{};        // settings that it supports besides reflection-threshold
   const KernelProgram* program = nullptr;              // its kernels, without the shaders of draws
+  std::uint32_t nested_stages = 0;                     // bits of those of `program` that only mirrors in mirrors need
+  std::uint32_t depth = 1;                             // mirrors behind each other that it shows at most
   bool traces = false;                                 // by the path tracer's kernel `extend`
+  bool searches_picture = false;                       // for what mirrors show
   std::uint32_t bytes_per_pixel = 0;                   // of device memory, besides kBindReflections
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
   std::unique_ptr<ReflectionTechnique> (*make)(const ReflectionContext& context) = nullptr;
 };
+
+// Mirrors behind each other that a technique shows with these settings. A path over d mirrors has d + 1 bounces.
+inline std::uint32_t reflection_depth(const ReflectionKind& kind, const RenderPlan& settings) {
+  return std::min(kind.depth, settings.max_depth - 1);
+}
+
+// The need of its kernels. `nests`: mirrors show mirrors.
+inline KernelNeed reflection_need(const ReflectionKind& kind, const KernelConfig& config, bool nests) {
+  KernelNeed need = whole_need(*kind.program, config);
+  if (!nests) need.stages &= ~kind.nested_stages;
+  return need;
+}
 
 } // namespace wavepath

@@ -6,8 +6,10 @@ namespace wavepath {
 
 constinit const ReflectionKind kReflectionTraced = {
     .name = "traced",
-    .summary = "found by rays, one reflection deep",
+    .summary = "found by rays",
     .program = &kRayProgram,
+    .nested_stages = kNestedRayStages,
+    .depth = 2,
     .traces = true,
     .make = [](const ReflectionContext& context) -> std::unique_ptr<ReflectionTechnique> {
       return std::make_unique<RayReflections>(context);

@@ -1,0 +1,28 @@
+// Beams of camera rays: which fraction of a pixel each triangle covers (--antialias beam, cone).
+#ifndef WAVEPATH_BEAM_TYPES_H
+#define WAVEPATH_BEAM_TYPES_H
+
+#include "kernels/base/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// Of the pixels of a dispatch. Storage uvec2[], kBeamStride a pixel: the triangles that its beam meets, the nearest
+// first, as kBindVisibility has them, kNone behind the last one; then 1 if there may be more, and a word of no use.
+GPU_CONSTANT uint kBindBeamTriangles = 164u;
+GPU_CONSTANT uint kBindBeamAreas = 165u; // storage float[], kBeamTriangles a pixel: fraction of it that shows each
+// Of all pixels. Storage uvec2[]: what the pixel shows, as kBindVisibility; one picture for each of kFractions.
+GPU_CONSTANT uint kBindBeamIds = 166u;
+
+GPU_CONSTANT uint kBeamTriangles = 12u;
+GPU_CONSTANT uint kBeamStride = kBeamTriangles + 1u;
+
+// Shapes of a pixel: values of a wave's `bounce`. The square around its middle; the disc of the same area.
+GPU_CONSTANT uint kBeamSquare = 0u;
+GPU_CONSTANT uint kBeamDisc = 1u;
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif
