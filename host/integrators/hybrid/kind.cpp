@@ -36,7 +36,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 39> kHybridSettings = {"first-hit",
+constexpr std::array<std::string_view, 40> kHybridSettings = {"first-hit",
                                                               "lens",
                                                               "shutter",
                                                               "hemisphere",
