@@ -35,7 +35,7 @@ bool voxels_support(const RenderPlan& settings, std::string_view setting) {
 
 void check_voxel_settings(const RenderPlan& settings) {
   if (settings.voxels != RenderPlan{}.voxels && !uses_voxels(settings))
-    throw UsageError("--voxels", "are those of cones, which no technique in use traces",
+    throw UsageError("--voxels", "is for cones, which no technique in use traces",
                      "leave it out, or use --occlusion cones or --shadows cones");
 }
 

@@ -1,5 +1,5 @@
-// Occlusion by cones through surface voxels (Crassin, Neyret, Sainz, Green and Eisemann 2011): cosine-weighted axes, and
-// cones that share the hemisphere evenly, but none so wide that it would see the surface that it starts from.
+// Occlusion by cones through surface voxels (Crassin, Neyret, Sainz, Green and Eisemann 2011): cosine-weighted axes,
+// and cones that share the hemisphere evenly, but none so wide that it would see the surface that it starts from.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

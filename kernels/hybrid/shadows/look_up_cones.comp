@@ -1,5 +1,6 @@
-// Answers the shadow rays of a frame by a cone from each point to the whole of its lamp, through surface voxels (Crassin,
-// Neyret, Sainz, Green and Eisemann 2011). Points under whose horizon the lamp's middle lies have their rays traced.
+// Answers the shadow rays of a frame by a cone from each point to the whole of its lamp, through surface voxels
+// (Crassin, Neyret, Sainz, Green and Eisemann 2011). Points under whose horizon the lamp's middle lies have their rays
+// traced.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -56,5 +57,6 @@ void main() {
   cone.widening = min(fair, elevation / clearance) / grid.voxel;
   cone.narrowing = distant ? kFar : facing / lamp_clearance / grid.voxel;
   cone.t_max = distant ? kFar : distance_ - lamp_clearance * grid.voxel / facing;
-  answer_shadow_ray(index, ray, unblocked(grid, cone, cone_shift(slot_sampler(ray.slot), cone.direction), kShadowSteps));
+  vec3 shift = cone_shift(slot_sampler(ray.slot), cone.direction);
+  answer_shadow_ray(index, ray, unblocked(grid, cone, shift, kShadowSteps));
 }

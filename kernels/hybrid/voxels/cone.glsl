@@ -27,8 +27,8 @@ struct Cone {
   float narrowing;   // the same, per metre from the end; kFar = any width
 };
 
-// Random shift of a cone's grid against the true one, in voxels. Across the cone alone: along it, a change of level would
-// jump over what lies between.
+// Random shift of a cone's grid against the true one, in voxels. Across the cone alone: along it, a change of level
+// would jump over what lies between.
 vec3 cone_shift(Sampler s, vec3 direction) {
   vec3 shift = vec3(sample_2d(s, kDimensionConeShift), sample_2d(s, kDimensionConeShift + 1u).x) - 0.5;
   shift -= dot(shift, direction) * direction;
@@ -42,9 +42,9 @@ vec3 opacity_of(SurfaceLevel level, bool has_bits, ivec3 voxel) {
   return unpack_opacity(texelFetch(voxels, int(level.first_word + index)).x);
 }
 
-// What passes of a way through a voxel, if its surfaces lie anywhere in it with equal probability: of a wall across an
-// axis, 1 - opacity * crossed, `crossed` being the fraction of the voxel's width that lies behind. Given what has passed
-// where the way comes in, so that a wall lets through the same in however many voxels a slanted way crosses it.
+// What passes of a way through a voxel, if its surfaces lie anywhere in it with equal probability. Of a wall across an
+// axis that is 1 - opacity * crossed, where `crossed` is the fraction of the voxel's width that lies behind; given what
+// has passed where the way comes in. So a wall lets through the same, in however many voxels a slanted way crosses it.
 float passing(vec3 opacity, vec3 crossed_in, vec3 crossed_out) {
   vec3 passed = (1.0 - opacity * min(crossed_out, 1.0)) / max(1.0 - opacity * crossed_in, 1e-4);
   return passed.x * passed.y * passed.z;

@@ -82,7 +82,8 @@ void main() {
   float reach = 0.5 * (abs(slope.x) + abs(slope.y)) + margin * (abs(slope.x) + abs(slope.y) + 1.0) +
                 slack / abs(normal.z);
   bool has_plane = reach < float(size.z); // false of a sliver, NaN included
-  Edges across = edges_of(a.xy, b.xy, c.xy), by_row = edges_of(a.yz, b.yz, c.yz), by_column = edges_of(a.xz, b.xz, c.xz);
+  Edges across = edges_of(a.xy, b.xy, c.xy), by_row = edges_of(a.yz, b.yz, c.yz),
+        by_column = edges_of(a.xz, b.xz, c.xz);
   for (int row = int(item.z); row < int(item.z + rows) && row <= last.y; ++row)
     for (int column = first.x; column <= last.x; ++column) {
       if (!may_cross(across, vec2(column, row), margin)) continue;
@@ -93,7 +94,8 @@ void main() {
         far = min(far, int(floor(middle + reach)));
       }
       for (int depth = near; depth <= far; ++depth) {
-        if (!may_cross(by_row, vec2(row, depth), margin) || !may_cross(by_column, vec2(column, depth), margin)) continue;
+        if (!may_cross(by_row, vec2(row, depth), margin)) continue;
+        if (!may_cross(by_column, vec2(column, depth), margin)) continue;
         uint index = index_of_voxel(level, from_sheared_axes(ivec3(column, row, depth), axis));
         uint word = level.first_word + index / 32u, bit = 1u << index % 32u;
         if ((voxel_words[word] & bit) == 0u) atomicOr(voxel_words[word], bit);
