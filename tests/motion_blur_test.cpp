@@ -287,7 +287,8 @@ TEST(MotionBlurSettings, RefuseWhatDrawsSurfacesAsTheShutterOpens) {
   const std::vector<std::function<void(RenderPlan&)>> changes = {
       [](RenderPlan& s) { s.first_hit = kFirstHitRaster; },
       [](RenderPlan& s) { s.shadows = index_of(kShadowTechniques.names(), "map"); },
-      [](RenderPlan& s) { s.transparency = 1; }, [](RenderPlan& s) { s.reflections = 1; }};
+      [](RenderPlan& s) { s.transparency = 1; }, [](RenderPlan& s) { s.reflections = 1; },
+      [](RenderPlan& s) { s.occlusion = index_of(kOcclusionTechniques.names(), "cones"); }};
   for (const auto& change : changes) {
     RenderPlan settings = motion_settings();
     change(settings);

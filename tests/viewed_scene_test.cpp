@@ -173,6 +173,14 @@ TEST_F(ViewedSceneTest, WhatFailsLeavesAllAsItWas) {
   EXPECT_TRUE(scene_->move(camera_).redone.empty());
   EXPECT_EQ(picture(), before);
   const RenderPlan first = scene_->render().settings();
+  RenderPlan refused = first; // what `render` refuses in one line
+  read_setting(setting_named("integrator"), "hybrid", refused);
+  read_setting(setting_named("antialias"), "beam", refused);
+  refused.aovs = {"depth"};
+  EXPECT_THROW(scene_->set_settings(refused, elsewhere()), Error);
+  EXPECT_EQ(scene_->render().settings().integrator, first.integrator);
+  scene_->move(camera_);
+  EXPECT_EQ(picture(), before);
   for (const std::uint32_t lights : {first.lights, gpu::kLightsTree}) { // which have nothing packed, or lights
     RenderPlan larger = first;
     larger.lights = lights;

@@ -694,6 +694,7 @@ Progressive& Session::begin(const RenderPlan& settings, std::function<void()> le
 void Session::set_settings(const RenderPlan& settings) {
   State& s = *state_;
   check_camera(s.request.scene.view, settings);
+  if (settings.integrator->check) settings.integrator->check(settings);
   s.request.render.settings = settings;
   s.request.render.settings.kernels.mips |= s.stepped != nullptr;
   s.other_settings = true;

@@ -41,6 +41,10 @@ std::vector<Binding> beam_layout() {
 
 const KernelProgram kBeamProgram = {kBeamStages, kBeamOrder, beam_layout};
 
+std::uint64_t Beams::most_list_bytes() {
+  return kMostBeams * (gpu::kBeamStride * sizeof(glm::uvec2) + gpu::kBeamTriangles * sizeof(float));
+}
+
 Beams::Beams(Workspace& workspace, KernelCompiler& kernels, std::uint32_t shape)
     : workspace_(workspace), kernels_(kernels), shape_(shape), work_a_slice_(kFirstWork) {}
 

@@ -32,6 +32,8 @@ public:
   // Submits what makes a part of every pixel, one of kFractions, what the frame sees.
   void show(WaveQueue& queue, std::uint32_t part, const std::function<void(Commands&)>& prepare);
 
+  // Most bytes of the lists of triangles, of which there are enough for a slice. The pictures come to them.
+  static std::uint64_t most_list_bytes();
   std::uint64_t bytes() const { return triangles_.bytes() + areas_.bytes() + ids_.bytes(); }
 
 private:

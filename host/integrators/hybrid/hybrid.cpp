@@ -338,12 +338,12 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
-                              settings_.cull << 1 | (rasterizes_ ? 1u : 0u));
+                              settings_.cull << 2 | (blurs_motion(settings_) ? 2u : 0u) | (rasterizes_ ? 1u : 0u));
   if (moved) visibility_.reset();
   moved |= visibility_.keep(made_for, [&] {
     return std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
                                         buffers_[kFrame], visible_features, settings_.width, settings_.height,
-                                        rasterizes_, settings_.cull);
+                                        rasterizes_, settings_.cull, blurs_motion(settings_));
   });
   remake_beams();
   std::vector<Binding> own;

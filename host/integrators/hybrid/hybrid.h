@@ -68,7 +68,8 @@ public:
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& film_wave) override;
   // Filters the frame if that is asked for, and adds it to the film.
   void end_pass(WaveQueue& queue) override;
-  std::uint32_t timed_dispatches() const override { return 16; }
+  // A wave and the mirrored ones, two of each dispatch that traces.
+  std::uint32_t timed_dispatches() const override { return reflections_ ? 48 : 16; }
   std::uint64_t bytes() const override;
   void describe(RenderResult& result) const override;
 

@@ -144,8 +144,11 @@ std::uint64_t reflection_bytes(const RenderPlan& settings) {
   return kind ? sizeof(gpu::vec4) + kind->bytes_per_pixel : 0;
 }
 
-std::vector<MemoryItem> voxel_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
-  return {{"surface voxels", uses_voxels(settings) ? most_voxel_bytes(settings.voxels) : 0}};
+std::vector<MemoryItem> frame_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
+  std::vector<MemoryItem> items;
+  if (uses_voxels(settings)) items.push_back({"surface voxels", most_voxel_bytes(settings.voxels)});
+  if (kAntialiasTechniques.find(settings)->beam) items.push_back({"triangles of beams", Beams::most_list_bytes()});
+  return items;
 }
 
 // Of a slot, where mirrors show mirrors.
@@ -410,7 +413,7 @@ constinit const IntegratorKind kHybrid = {
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
-    .items = voxel_items,
+    .items = frame_items,
     .is_biased =
         [](const RenderPlan& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
@@ -444,7 +447,7 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderPlan&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
-    .items = voxel_items,
+    .items = frame_items,
     .is_biased = has_biased_frames,
     .bias = ao_bias,
     .omitted = ao_omitted,

@@ -4,6 +4,7 @@
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
+#include "host/integrators/hybrid/voxel_settings.h"
 #include "host/render/settings/integrator_kind.h"
 #include "kernels/hybrid/motion_blur.spv.h"
 #include "kernels/hybrid/motion_blur_tiles.spv.h"
@@ -41,6 +42,7 @@ void check_motion_settings(const RenderPlan& settings) {
   if (kShadowTechniques.find(settings)) refuse("--shadows");
   if (kTransparencyTechniques.find(settings)) refuse("--transparency");
   if (kReflectionTechniques.find(settings)) refuse("--reflections");
+  if (uses_voxels(settings)) refuse("--occlusion cones");
 }
 
 MotionBlur::MotionBlur(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer,

@@ -101,7 +101,7 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 
 Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
                        const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height,
-                       bool rasterizes, std::uint32_t cull)
+                       bool rasterizes, std::uint32_t cull, bool moves)
     : width_(width),
       height_(height),
       ids_(device, ids_bytes(device, width, height)),
@@ -111,8 +111,8 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {
   RenderPlan plan(RenderSettings{.cull = cull});
-  plan.moving = scene.moves();
-  if (plan.moving) plan.kernels.added = gpu::kFeatureSharedFirstHit; // whose moment it is
+  plan.moving = moves;
+  if (moves) plan.kernels.added = gpu::kFeatureSharedFirstHit; // whose moment it is
   const auto constants = specialization(kernel_config(features, scene.stack_size, plan), device.info());
   if (rasterizes)
     raster_.reset(new Raster{{device, width, height, kAttachments},

@@ -38,11 +38,12 @@ class Visibility {
 public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads again; they and `gpu_scene`
   // must outlive this object. `features`: kFeature bits of the path tracer's kernels. `rasterizes`: false = rays are
-  // traced. `cull`: kCull constant, whether single-sided surfaces are visible from behind. Throws Error if the device
-  // cannot rasterize but must, or cannot hold a picture of this size.
+  // traced. `cull`: kCull constant, whether single-sided surfaces are visible from behind. `moves`: the frame is of the
+  // middle of the shutter, for traced rays alone. Throws Error if the device cannot rasterize but must, or cannot hold
+  // a picture of this size.
   Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
              const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height, bool rasterizes,
-             std::uint32_t cull = gpu::kCullCamera);
+             std::uint32_t cull = gpu::kCullCamera, bool moves = false);
 
   // Submits the work that finds what `camera` sees, which must be the frame's camera. `prepare`: records commands that
   // run before. `part`: of the same camera, for rasterization.

@@ -89,6 +89,15 @@ Polygon square_of(float half_) {
   return square;
 }
 
+bool lost_corners = false; // a polygon had no room for all
+
+void add_corner(inout Polygon polygon, vec2 corner) {
+  if (polygon.count < kMostCorners)
+    polygon.corners[polygon.count++] = corner;
+  else
+    lost_corners = true;
+}
+
 // The part where dot(line, (x, y, 1)) >= 0 (Sutherland and Hodgman 1974).
 Polygon part_inside(Polygon polygon, vec3 line) {
   Polygon part;
@@ -99,9 +108,9 @@ Polygon part_inside(Polygon polygon, vec3 line) {
   for (uint i = 0u; i < polygon.count; ++i) {
     vec2 to = polygon.corners[i];
     float height = dot(line, vec3(to, 1.0));
-    if ((height < 0.0) != (height_from < 0.0) && part.count < kMostCorners)
-      part.corners[part.count++] = mix(from, to, clamp(height_from / (height_from - height), 0.0, 1.0));
-    if (height >= 0.0 && part.count < kMostCorners) part.corners[part.count++] = to;
+    if ((height < 0.0) != (height_from < 0.0))
+      add_corner(part, mix(from, to, clamp(height_from / (height_from - height), 0.0, 1.0)));
+    if (height >= 0.0) add_corner(part, to);
     from = to;
     height_from = height;
   }

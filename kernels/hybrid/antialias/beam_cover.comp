@@ -3,7 +3,6 @@
 // taken not to pass through each other within the pixel. Push constant: as for beam_find.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_HYBRID
@@ -17,12 +16,18 @@ layout(local_size_x = kWorkgroupSize) in;
 
 // A piece becomes three at most, which wait for the triangles behind the one that cut it.
 const uint kMostPieces = 2u * kBeamTriangles + 2u;
+const uint kMostCuts = 400u; // of a triangle: a cut takes up to a hundred rounds of loops, and drivers end after 65,535
 Polygon pieces[kMostPieces];
 uint next_cutters[kMostPieces];
 uint piece_count;
+bool lost_pieces = false; // there was no room for them, or no time
 
 void push(Polygon piece, uint next_cutter) {
-  if (area_of(piece) <= kSmallestArea || piece_count == kMostPieces) return;
+  if (area_of(piece) <= kSmallestArea) return;
+  if (piece_count == kMostPieces) {
+    lost_pieces = true;
+    return;
+  }
   pieces[piece_count] = piece;
   next_cutters[piece_count++] = next_cutter;
 }
@@ -61,18 +66,24 @@ void main() {
     BeamTriangle own = beam_triangle(pixel, id.x, id.y);
     piece_count = 0u;
     push(part_inside(square_of(beam_half()), own), 0u);
+    uint cuts = 0u;
     while (piece_count > 0u) {
       Polygon piece = pieces[--piece_count];
       uint cutter = next_cutters[piece_count];
       bool is_cut = false;
       for (; cutter < kBeamTriangles && !is_cut; ++cutter) {
+        if (++cuts > kMostCuts) break;
         uvec2 other = beam_triangles[list + cutter];
         if (other.x == kNone) break;
         if (cutter == own_index) continue;
         is_cut = cut(piece, own, beam_triangle(pixel, other.x, other.y), cutter < own_index, cutter + 1u);
       }
+      if (cuts > kMostCuts) {
+        lost_pieces = true;
+        break;
+      }
       if (!is_cut) area += fraction_in(piece);
     }
   }
-  beam_areas[local * kBeamTriangles + own_index] = area;
+  beam_areas[local * kBeamTriangles + own_index] = area + (lost_pieces || lost_corners ? kBeamLost : 0.0);
 }

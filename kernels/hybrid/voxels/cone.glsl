@@ -9,8 +9,8 @@
 
 layout(set = 0, binding = kBindSurfaceVoxels) uniform usamplerBuffer voxels;
 
-// Shift of the grid of a cone; beyond the dimensions of occlusion, two pairs.
-const uint kDimensionConeShift = kDimensionOcclusionDistance + 1u;
+// Shift of the grid of a cone, two pairs; beyond the dimensions of any bounce, as those in dimensions.glsl.
+const uint kDimensionConeShift = 0x04000000u;
 
 // A voxel reaches 1 |n|_1 of its width along n from a position in it, and a shift is at most 0.5 |n|_1. A position that
 // is farther than both together from a plane with the normal n lies in no voxel that the plane crosses.
