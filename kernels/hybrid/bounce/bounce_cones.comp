@@ -10,7 +10,8 @@
 #include "kernels/hybrid/occlusion/hemisphere_cone.glsl"
 #include "kernels/hybrid/bounce/voxel_light.glsl"
 
-// With voxels as wide as those of occlusion, a wall beside a floor brings 19 % more light than it does; with these 10 %.
+// With voxels as wide as those of occlusion, a wall beside a floor brings 19 % more light than it does, with these
+// 10 %.
 const float kWidest = 0.1;
 
 // Light that comes along a cone. `steps`: the most voxels that it visits.

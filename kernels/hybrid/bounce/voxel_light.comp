@@ -1,5 +1,5 @@
-// Light that leaves each surface voxel (Crassin, Neyret, Sainz, Green and Eisemann 2011, section 6; by rays in the place
-// of their map): direct light at the point of the voxel's triangle that is nearest to its middle, reflected by a matt
+// Light that leaves each surface voxel (Crassin, Neyret, Sainz, Green and Eisemann 2011, section 6; by rays where they
+// have a map): direct light at the point of the voxel's triangle that is nearest to its middle, reflected by a matt
 // surface. Random numbers are those of the voxel.
 // Push constant: first_pixel = first voxel, pixel_count = how many.
 #version 460
@@ -73,8 +73,8 @@ vec3 irradiance_of(Surface surface, Sampler s, out bool front) {
 
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
-  uint index = wave.first_pixel + gl_GlobalInvocationID.x, first = first_side_word(index);
-  uint claim = voxel_light[first];
+  uint index = wave.first_pixel + gl_GlobalInvocationID.x;
+  uint claim = voxel_normals[index]; // of voxel_owner.comp
   if (claim == 0u) return;
   SurfaceGrid grid = fetch_surface_grid();
   uvec3 size = uvec3(fetch_surface_level(0u).size);
@@ -97,7 +97,7 @@ void main() {
     sides[0] *= reflected;
     sides[1] *= reflected;
   }
-  voxel_light[first] = packSnorm4x8(vec4(surface.geometric_normal, 0.0));
-  voxel_light[first + 1u] = pack_light(sides[0]);
-  voxel_light[first + 2u] = pack_light(sides[1]);
+  voxel_normals[index] = packSnorm4x8(vec4(surface.geometric_normal, 0.0));
+  voxel_fronts[index] = pack_light(sides[0]);
+  voxel_backs[index] = pack_light(sides[1]);
 }

@@ -5,13 +5,16 @@
 
 #include "kernels/hybrid/bounce/bounce_types.h"
 
-layout(set = 0, binding = kBindVoxelLight, std430) buffer VoxelLightBlock { uint voxel_light[]; };
+layout(set = 0, binding = kBindVoxelNormals, std430) buffer VoxelNormalBlock { uint voxel_normals[]; };
+layout(set = 0, binding = kBindVoxelFronts, std430) buffer VoxelFrontBlock { uint voxel_fronts[]; };
+layout(set = 0, binding = kBindVoxelBacks, std430) buffer VoxelBackBlock { uint voxel_backs[]; };
+layout(set = 0, binding = kBindVoxelAxes, std430) buffer VoxelAxisBlock { uint voxel_axes[]; };
 
 const int kLightExponentBias = 15;
 const float kMostLight = 65408.0; // 511 * 2^7
 
 uint pack_light(vec3 light) {
-  light = clamp(light, vec3(0.0), vec3(kMostLight)); // NaN becomes 0
+  light = clamp(light, vec3(0.0), vec3(kMostLight));
   int exponent;
   frexp(max(light.x, max(light.y, light.z)), exponent);
   exponent = clamp(exponent, -kLightExponentBias, 31 - kLightExponentBias);
@@ -23,11 +26,8 @@ vec3 unpack_light(uint word) {
   return ldexp(vec3(q), ivec3(int(word >> 27u) - kLightExponentBias - 9));
 }
 
-uint first_side_word(uint index) { return kVoxelSideWords * index; }
 uint first_axis_word(SurfaceLevel level, uint index) {
-  ivec3 finest = fetch_surface_level(0u).size;
-  uint of_sides = kVoxelSideWords * uint(finest.x * finest.y * finest.z);
-  return of_sides + kVoxelAxisWords * (level.first_word - fetch_surface_level(1u).first_word + index);
+  return kVoxelAxisWords * (level.first_word - fetch_surface_level(1u).first_word + index);
 }
 
 // A way along a surface might meet either of its sides. It takes the brighter one: the other one is most often the
@@ -36,9 +36,8 @@ const float kAlong = 0.25;
 
 // What a way in this direction meets in a voxel of level 0 that holds a surface.
 vec3 side_light(uint index, vec3 direction) {
-  uint first = first_side_word(index);
-  vec3 front = unpack_light(voxel_light[first + 1u]), back = unpack_light(voxel_light[first + 2u]);
-  float cosine = dot(unpackSnorm4x8(voxel_light[first]).xyz, direction);
+  vec3 front = unpack_light(voxel_fronts[index]), back = unpack_light(voxel_backs[index]);
+  float cosine = dot(unpackSnorm4x8(voxel_normals[index]).xyz, direction);
   if (abs(cosine) < kAlong) return max(front, back);
   return cosine < 0.0 ? front : back;
 }
@@ -54,7 +53,7 @@ mat3 axis_light(SurfaceLevel level, bool has_bits, ivec3 voxel, uvec3 against) {
       direction[axis] = against[axis] == 0u ? 1.0 : -1.0;
       light[axis] = side_light(index, direction);
     } else {
-      light[axis] = unpack_light(voxel_light[first_axis_word(level, index) + 2u * axis + against[axis]]);
+      light[axis] = unpack_light(voxel_axes[first_axis_word(level, index) + 2u * axis + against[axis]]);
     }
   }
   return light;

@@ -35,7 +35,7 @@ void main() {
   }
   uint first = first_axis_word(coarse, index);
   for (uint axis = 0u; axis < 3u; ++axis) {
-    voxel_light[first + 2u * axis] = pack_light(0.25 * along[axis]);
-    voxel_light[first + 2u * axis + 1u] = pack_light(0.25 * against[axis]);
+    voxel_axes[first + 2u * axis] = pack_light(0.25 * along[axis]);
+    voxel_axes[first + 2u * axis + 1u] = pack_light(0.25 * against[axis]);
   }
 }

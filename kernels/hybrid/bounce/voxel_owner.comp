@@ -1,5 +1,5 @@
-// Gives each surface voxel to one of the triangles that cross it: that of the first item of work. The largest complement
-// of an item's number stays, so that 0 is nobody and the order of the work does not matter.
+// Gives each surface voxel to one of the triangles that cross it: that of the first item of work. The largest
+// complement of an item's number stays, so that 0 is nobody and the order of the work does not matter.
 // Push constant: first_pixel = number of the first item, pixel_count = items of this dispatch.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -10,13 +10,13 @@
 #include "kernels/hybrid/bounce/bounce_types.h"
 
 layout(local_size_x = kWorkgroupSize) in;
-layout(set = 0, binding = kBindVoxelLight, std430) buffer VoxelLightBlock { uint voxel_light[]; };
+// Until voxels are lit, their owners are where their normals will be.
+layout(set = 0, binding = kBindVoxelNormals, std430) buffer VoxelOwnerBlock { uint voxel_owners[]; };
 
 uint claim;
 
 void meet(uint index) {
-  uint word = kVoxelSideWords * index;
-  if (voxel_light[word] < claim) atomicMax(voxel_light[word], claim);
+  if (voxel_owners[index] < claim) atomicMax(voxel_owners[index], claim);
 }
 
 void main() {

@@ -8,8 +8,8 @@
 const float kLowestAxis = 0.07; // sine of the elevation: cones near the surface would have to be rays
 const uint kConeSteps = 250u; // of each of 256 cones: lavapipe ends loops after 65,535 rounds
 
-// One of hybrid.ao_samples. `reach`: metres from the receiver. `widest`: the most that voxels are wide, over the distance:
-// walls seem up to a voxel nearer and larger, and wide voxels leak.
+// One of hybrid.ao_samples. `reach`: metres from the receiver. `widest`: the most that voxels are wide, over the
+// distance: walls seem up to a voxel nearer and larger, and wide voxels leak.
 Cone hemisphere_cone(SurfaceGrid grid, Receiver receiver, Sampler s, float reach, float widest) {
   vec3 normal = receiver.normal, tangent, bitangent;
   make_basis(normal, tangent, bitangent);

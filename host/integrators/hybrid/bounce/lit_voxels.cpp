@@ -18,10 +18,17 @@ namespace {
 
 using enum BindingKind;
 
-enum LightBuffer : std::size_t { kLight, kItems, kPlaces };
-const std::vector<BufferRule> kLightRules = {{"light", nullptr, {{gpu::kBindVoxelLight, storage}}},
+enum LightBuffer : std::size_t { kNormals, kFronts, kBacks, kAxes, kItems, kPlaces };
+const std::vector<BufferRule> kLightRules = {{"normals", nullptr, {{gpu::kBindVoxelNormals, storage}}},
+                                             {"light of fronts", nullptr, {{gpu::kBindVoxelFronts, storage}}},
+                                             {"light of backs", nullptr, {{gpu::kBindVoxelBacks, storage}}},
+                                             {"light along axes", nullptr, {{gpu::kBindVoxelAxes, storage}}},
                                              {"items", nullptr, {{gpu::kBindSurfaceItems, texels_rgba32ui}}},
                                              {"places", nullptr, {{gpu::kBindVoxelPlaces, texels_rg32ui}}}};
+
+// What cones look up: the first buffers.
+constexpr std::array<std::uint32_t, 4> kLookedUp = {gpu::kBindVoxelNormals, gpu::kBindVoxelFronts, gpu::kBindVoxelBacks,
+                                                    gpu::kBindVoxelAxes};
 
 enum LightKernel : std::size_t { kOwner, kLightUp, kMip, kLightKernelCount };
 const std::array<KernelCode, kLightKernelCount> kLightKernels = {
@@ -32,7 +39,7 @@ constexpr std::array<std::size_t, kLightKernelCount> kLightOrder = {kLightUp, kO
 
 // Of a dispatch: most voxels are empty, but a wall may fill one with surfaces, each of which sends kVoxelLightSamples
 // rays.
-constexpr std::uint64_t kVoxelsLit = 1 << 13, kVoxelsJoined = 1 << 16;
+constexpr std::uint64_t kVoxelsLit = 1 << 15, kVoxelsJoined = 1 << 16;
 
 std::vector<Binding> voxel_light_program_layout() {
   std::vector<Binding> layout = workspace_layout();
@@ -43,11 +50,14 @@ std::vector<Binding> voxel_light_program_layout() {
 
 std::uint64_t count_of(const glm::uvec4& level) { return std::uint64_t{level.x} * level.y * level.z; }
 
-std::uint64_t light_words(const SurfaceGrid& grid) {
-  std::uint64_t words = gpu::kVoxelSideWords * count_of(grid.levels.front());
-  for (std::size_t level = 1; level < grid.levels.size(); ++level)
-    words += gpu::kVoxelAxisWords * count_of(grid.levels[level]);
-  return words;
+constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+
+std::uint64_t side_bytes(const SurfaceGrid& grid) { return kWord * count_of(grid.levels.front()); }
+
+std::uint64_t axis_bytes(const SurfaceGrid& grid) {
+  std::uint64_t voxels = 0;
+  for (std::size_t level = 1; level < grid.levels.size(); ++level) voxels += count_of(grid.levels[level]);
+  return std::max<std::uint64_t>(voxels, 1) * gpu::kVoxelAxisWords * kWord;
 }
 
 } // namespace
@@ -56,14 +66,14 @@ const KernelProgram kVoxelLightProgram = {kLightKernels, kLightOrder, voxel_ligh
 
 void add_voxel_light_layout(std::vector<Binding>& layout) {
   add_voxel_layout(layout);
-  layout.push_back({gpu::kBindVoxelLight, storage, nullptr});
+  for (const std::uint32_t slot : kLookedUp) layout.push_back({slot, storage, nullptr});
 }
 
 std::uint64_t most_voxel_light_bytes(std::uint32_t across) {
   std::uint64_t words = 0;
   for (std::uint64_t side = across, level = 0;; side = (side + 1) / 2, ++level) {
-    words += (level == 0 ? gpu::kVoxelSideWords : gpu::kVoxelAxisWords) * side * side * side;
-    if (side == 1) return words * sizeof(std::uint32_t);
+    words += (level == 0 ? kAxes : std::uint64_t{gpu::kVoxelAxisWords}) * side * side * side; // a word in each buffer
+    if (side == 1) return words * kWord;
   }
 }
 
@@ -75,17 +85,19 @@ LitVoxels::LitVoxels(Workspace& workspace, KernelCompiler& kernels, const Kernel
       voxels_(voxels),
       buffers_(workspace.device, kLightRules) {
   const DeviceInfo& info = workspace.device.info();
-  const std::uint64_t bytes = light_words(voxels.grid()) * sizeof(std::uint32_t);
+  const std::uint64_t sides = side_bytes(voxels.grid()), axes = axis_bytes(voxels.grid());
   const std::uint64_t most = std::min({info.max_storage_range, info.max_allocation, info.memory_bytes});
-  if (bytes > most)
-    throw Error(info.name,
-                fmt::format("cannot hold the light of {} voxels, {:.0f} MiB; at most {:.0f} MiB",
-                            count_of(voxels.grid().levels.front()), static_cast<double>(bytes) / 1048576.0,
-                            static_cast<double>(most) / 1048576.0),
-                "use a smaller --voxels");
+  if (std::max(sides, axes) > most)
+    throw Error(
+        info.name,
+        fmt::format("cannot hold the light of {} voxels, {:.0f} MiB in one buffer; at most {:.0f} MiB",
+                    count_of(voxels.grid().levels.front()), static_cast<double>(std::max(sides, axes)) / 1048576.0,
+                    static_cast<double>(most) / 1048576.0),
+        "use a smaller --voxels");
   kernels.start(need_);
-  buffers_[kLight] = Buffer(workspace.device, bytes);
-  buffers_[kLight].fill_zero(); // nobody's
+  for (const std::size_t of_sides : {kNormals, kFronts, kBacks}) buffers_[of_sides] = Buffer(workspace.device, sides);
+  buffers_[kNormals].fill_zero(); // nobody's
+  buffers_[kAxes] = Buffer(workspace.device, axes);
   buffers_[kItems] = Buffer(workspace.device, kVoxelItems * sizeof(glm::uvec4));
   std::vector<glm::uvec2> places;
   for_each_voxel_work(workspace.scene, voxels.grid(), [&](const std::vector<glm::uvec4>& items) {
@@ -97,7 +109,7 @@ LitVoxels::LitVoxels(Workspace& workspace, KernelCompiler& kernels, const Kernel
 
 void LitVoxels::add_bindings(std::vector<Binding>& bindings) const {
   voxels_.add_bindings(bindings);
-  bindings.push_back({gpu::kBindVoxelLight, storage, &buffers_[kLight]});
+  for (std::size_t i = 0; i < kLookedUp.size(); ++i) bindings.push_back({kLookedUp[i], storage, &buffers_[i]});
 }
 
 void LitVoxels::build(WaveQueue& queue) {

@@ -14,7 +14,7 @@ inline constexpr const char* kVoxelLightStage = "light of voxels";
 // The kernels that light voxels.
 extern const KernelProgram kVoxelLightProgram;
 
-// Numbers and kinds of the bindings of kernels that look lit voxels up: those of surface voxels, and kBindVoxelLight.
+// Numbers and kinds of the bindings of kernels that look lit voxels up: those of surface voxels, and the light.
 void add_voxel_light_layout(std::vector<Binding>& layout);
 
 // The most bytes that the light of such voxels takes: of those of a cube.
