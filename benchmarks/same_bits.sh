@@ -74,6 +74,7 @@ pixel, sky              | render scenes/showcase.glb --env sky.hdr --pixel 31,30
 pixel, generic kernels  | render scenes/showcase.glb --specialize off --pixel 40,40 --sample 1 --seed 7 --sampler stratified
 hybrid                  | render scenes/cornell_box.gltf --integrator hybrid --mergeable --aov ao
 hybrid, reflections     | render scenes/showcase.glb --integrator hybrid --reflections traced -o @traced.exr ; render scenes/showcase.glb --integrator hybrid --reflections planar -o @planar.exr ; render scenes/showcase.glb --integrator hybrid --reflections ssr -o @ssr.exr ; render scenes/showcase.glb --integrator hybrid --reflections probe --shadows map -o @probe.exr
+hybrid, bounce          | render scenes/cornell_box.gltf --integrator hybrid --bounce traced -o @traced.exr ; render scenes/cornell_box.gltf --integrator hybrid --bounce cones
 hybrid, lens            | render scenes/showcase.glb --integrator hybrid --aperture 0.1
 radiosity               | render scenes/cornell_box.gltf --integrator radiosity --patches 1024 ; render scenes/cornell_box.gltf --integrator radiosity --patches 1024 --gather -o @gathered.exr
 velocity                | render scenes/showcase.glb --velocity 0,0,-0.5 --aov $aovs

@@ -1,5 +1,6 @@
 // The table of settings against RenderSettings: no member is forgotten, and every row that decides the picture reaches
 // the identity and the copied command, which reads back to the same settings.
+#include "host/integrators/hybrid/bounce/catalogue.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
@@ -37,7 +38,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
-               transparency_samples, reflections, reflection_threshold, branching, techniques, cutoff, patches,
+               transparency_samples, reflections, reflection_threshold, bounce, branching, techniques, cutoff, patches,
                subdivision, form_factors, patch_rays, gather, denoise, mips, lights, light_samples, sky_samples, reuse,
                adaptive, clamp, guide, specialize, aovs, aov_through, light_groups, transparent] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -97,6 +98,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
       {"transparency_samples", text(transparency_samples)},
       {"reflections", text(reflections)},
       {"reflection_threshold", text(reflection_threshold)},
+      {"bounce", text(bounce)},
       {"branching", text(branching)},
       {"techniques", text(techniques)},
       {"cutoff", text(cutoff)},
@@ -185,6 +187,7 @@ RenderSettings base_for(const Setting& row) {
   turn_to(&RenderSettings::occlusion, kOcclusionTechniques.names().size());
   turn_to(&RenderSettings::transparency, kTransparencyTechniques.names().size());
   turn_to(&RenderSettings::reflections, kReflectionTechniques.names().size());
+  turn_to(&RenderSettings::bounce, kBounceTechniques.names().size());
   return settings;
 }
 

@@ -157,8 +157,8 @@ private:
     settings.sampler = gpu::kSamplerSobol;
     settings.direct = gpu::kDirectMis;
     settings.hemisphere = gpu::kHemisphereCosine;
-    if (has_mirror_truth(settings_))
-      read_setting(setting_named("reflections"), "traced", settings);
+    if (const std::string_view truth = traced_setting(settings_); !truth.empty())
+      read_setting(setting_named(truth), "traced", settings);
     else
       settings.integrator = &default_integrator();
     if (by_signal_) settings.aovs = {"direct"};
@@ -420,8 +420,9 @@ private:
 
 } // namespace
 
-bool has_mirror_truth(const StudySettings& settings) {
-  return varies(settings, "reflections") && !varies(settings, "integrator");
+std::string_view traced_setting(const StudySettings& settings) {
+  if (varies(settings, "integrator")) return "";
+  return varies(settings, "reflections") ? "reflections" : varies(settings, "bounce") ? "bounce" : "";
 }
 
 double StudyPoint::relative_rms() const { return std::sqrt(metrics.relmse); }

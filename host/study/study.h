@@ -52,9 +52,9 @@ struct StudyScene {
   const PackedScene& packed_for(const RenderPlan& settings) const { return packed.at(key_of(settings)); }
 };
 
-// True if the grid varies reflections of hybrid frames, which have a truth of their own: rays. A reference of paths
-// would show the ambient term's errors, which all of them share.
-bool has_mirror_truth(const StudySettings& settings);
+// The setting that the grid varies and that has a truth of its own, its value `traced`: reflections or the bounce of
+// hybrid frames. A reference of paths would show the errors of light that all of them leave out. Empty = none.
+std::string_view traced_setting(const StudySettings& settings);
 
 struct StudyReference {
   Picture picture;

@@ -73,11 +73,11 @@ std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
   RenderPlan settings = record.settings.render;
-  const bool mirrors = has_mirror_truth(record.settings);
-  if (!mirrors) settings.integrator = &default_integrator();
+  const std::string_view truth = traced_setting(record.settings);
+  if (truth.empty()) settings.integrator = &default_integrator();
   return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{}{} --seed {} --spp {} -o {}",
                      record.repeat, told_flags(settings, nullptr),
-                     mirrors ? frame_flags(record) + " --reflections traced" : "",
+                     truth.empty() ? "" : fmt::format("{} --{} traced", frame_flags(record), truth),
                      record.study.occlusion ? " --aov direct" : "", reference.seed, reference.spp,
                      shell_quoted(reference_file(record)));
 }

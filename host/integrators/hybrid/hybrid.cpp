@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/beams.h"
+#include "host/integrators/hybrid/bounce/catalogue.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
@@ -170,7 +171,7 @@ std::uint32_t frame_flags(const RenderPlan& settings) {
   const bool together = antialias.positions > 0 && !joins_frames(settings);
   const std::uint32_t shared = !together ? 0 : antialias.beam ? gpu::kHybridFractions : gpu::kHybridMultisample;
   const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
-  const std::uint32_t mirrors = kReflectionTechniques.find(settings) ? gpu::kHybridReflections : 0;
+  const std::uint32_t mirrors = reflecting_technique(settings) ? gpu::kHybridReflections : 0;
   return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared | mirrors;
 }
 
@@ -222,6 +223,7 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
   if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
   if (kTransparencyTechniques.find(settings)) refuse("--transparency");
   if (kReflectionTechniques.find(settings)) refuse("--reflections");
+  if (kBounceTechniques.find(settings)) refuse("--bounce");
   if (kShadingModels.find(settings)) refuse("--shading");
   if (settings.antialias != 0) refuse("--antialias");
   if (has_lens(settings)) refuse("--aperture");
@@ -231,8 +233,10 @@ void refuse_what_is_not_traced(const RenderPlan& settings, const View& view) {
 
 } // namespace
 
-// Light beyond the direct one is wanted where paths would be longer than it.
-bool has_ambient(const RenderPlan& settings) { return !settings.integrator->finds_light || settings.max_depth > 1; }
+// Light beyond the direct one is wanted where paths would be longer than it. A bounce takes its place.
+bool has_ambient(const RenderPlan& settings) {
+  return !settings.integrator->finds_light || (settings.max_depth > 1 && !kBounceTechniques.find(settings));
+}
 
 bool rasterizes_first_hits(const RenderPlan& settings, std::uint64_t triangles, const DeviceInfo& device) {
   if (settings.first_hit != kFirstHitAuto) return settings.first_hit == kFirstHitRaster;
@@ -320,7 +324,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
   std::uint32_t path_stages = !lights() ? 0 : kShadingModels.find(settings_) ? kLocalPathStages : kLightingStages;
-  if (const ReflectionKind* kind = kReflectionTechniques.find(settings_); kind && kind->traces)
+  if (const ReflectionKind* kind = reflecting_technique(settings_); kind && kind->traces)
     path_stages |= stage_bits({kExtend});
   const std::uint32_t options =
       lights() || joins_frames(settings_) || filters_frames() || has_lens(settings_) || blurs_motion(settings_)
@@ -383,14 +387,15 @@ void Hybrid::remake_occlusion() {
 }
 
 void Hybrid::remake_reflections(const View& view, const std::vector<Binding>& own) {
-  const ReflectionKind* kind = kReflectionTechniques.find(settings_);
+  const ReflectionKind* kind = reflecting_technique(settings_);
   if (!kind) return reflections_.reset();
-  reflections_.keep(kind, [&] {
+  reflections_.keep({kind, kind->voxels ? settings_.voxels : 0}, [&] {
     return kind->make(
         {*kind, workspace_, kernels_, paths_,
          // Techniques of shadows answer for first hits, by slot or pixel. What a mirror shows has its shadows traced.
          [this](Commands& commands, std::size_t band, const gpu::Wave& wave) { light(commands, band, wave, nullptr); },
-         [this](std::uint32_t first, std::uint32_t count) { return wave({}, first, count, 0, 0); }});
+         [this](std::uint32_t first, std::uint32_t count) { return wave({}, first, count, 0, 0); },
+         kind->voxels ? voxels_.get() : nullptr});
   });
   using enum BindingKind;
   std::vector<Binding> shared = own;
@@ -572,7 +577,7 @@ void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
   if (filters_->taa || filters_->each || beams_) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
-  if (reflections_) result.reflections = reflections_->report();
+  if (reflections_ && kReflectionTechniques.find(settings_)) result.reflections = reflections_->report();
   if (!shadows_) return;
   const ShadowKind& kind = *kShadowTechniques.find(settings_);
   const LightCover cover = light_cover(kind, workspace_.scene);

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "host/integrators/hybrid/kept.h"
@@ -141,10 +142,11 @@ private:
     std::uint32_t width = 0, height = 0, layers = 0;
     bool operator==(const LayersMadeFor&) const = default;
   };
-  Kept<Layers, LayersMadeFor> layers_;                           // null if no technique draws BLEND surfaces in layers
-  Kept<ReflectionTechnique, const ReflectionKind*> reflections_; // null if mirrors show no lit surfaces
-  Kept<Filters, glm::uvec4> filters_;                            // key: size, flags, kinds of filters
-  std::vector<glm::vec2> jitters_; // positions in the pixel of the frames from first_jitter_ on
+  Kept<Layers, LayersMadeFor> layers_; // null if no technique draws BLEND surfaces in layers
+  // Of mirrors, or of a bounce; null if there is neither. Key: kind, and voxels along a side if it looks at them.
+  Kept<ReflectionTechnique, std::pair<const ReflectionKind*, std::uint32_t>> reflections_;
+  Kept<Filters, glm::uvec4> filters_; // key: size, flags, kinds of filters
+  std::vector<glm::vec2> jitters_;    // positions in the pixel of the frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::uint32_t next_sample_ = 0;           // sample whose frame may use the shading, or the beams, of earlier ones
   std::vector<std::uint32_t> pilot_pixels_; // pixels of the pilot, row-major

@@ -8,6 +8,8 @@
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/beams.h"
+#include "host/integrators/hybrid/bounce/catalogue.h"
+#include "host/integrators/hybrid/bounce/lit_voxels.h"
 #include "host/integrators/hybrid/defocus.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
@@ -36,7 +38,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 40> kHybridSettings = {"first-hit",
+constexpr std::array<std::string_view, 41> kHybridSettings = {"first-hit",
                                                               "lens",
                                                               "shutter",
                                                               "hemisphere",
@@ -75,7 +77,8 @@ constexpr std::array<std::string_view, 40> kHybridSettings = {"first-hit",
                                                               "voxels",
                                                               "antialias",
                                                               "reflections",
-                                                              "reflection-threshold"};
+                                                              "reflection-threshold",
+                                                              "bounce"};
 constexpr std::array<std::string_view, 10> kAoSettings = {"first-hit",  "ao-samples", "ao-radius", "denoise",
                                                           "terminator", "occlusion",  "ao-bias",   "ao-thinness",
                                                           "antialias",  "voxels"};
@@ -97,13 +100,19 @@ constexpr const char* kFilterBias = "direct light and occlusion are filtered ove
 // AOVs come from the G-buffer, not from the path tracer's kernels.
 gpu::Feature features(const RenderPlan&) { return gpu::kFeatureSharedFirstHit; }
 
+bool lights_voxels(const RenderPlan& settings) {
+  const ReflectionKind* bounce = kBounceTechniques.find(settings);
+  return bounce && bounce->voxels;
+}
+
 // Kernels of light, and of the techniques that stand for a part of it.
 void start_lighting_kernels(KernelCompiler& kernels, const RenderPlan& settings, const KernelConfig& config) {
   const ShadingKind* shading = kShadingModels.find(settings);
-  const ReflectionKind* reflections = kReflectionTechniques.find(settings);
+  const ReflectionKind* reflections = reflecting_technique(settings);
   const std::uint32_t traces = reflections && reflections->traces ? stage_bits({kExtend}) : 0;
   kernels.start({&kPathProgram, (shading ? kLocalPathStages : kLightingStages) | traces, config});
   if (reflections) kernels.start(reflection_need(*reflections, config, false)); // whether mirrors nest is not known yet
+  if (lights_voxels(settings)) kernels.start(whole_need(kVoxelLightProgram, config));
   if (shading) kernels.start(whole_need(*shading->program, config));
   if (const ShadowKind* shadows = kShadowTechniques.find(settings))
     kernels.start(whole_need(*shadows->program, config));
@@ -140,13 +149,14 @@ std::uint64_t shared_color_bytes(const RenderPlan& settings) {
 }
 
 std::uint64_t reflection_bytes(const RenderPlan& settings) {
-  const ReflectionKind* kind = kReflectionTechniques.find(settings);
+  const ReflectionKind* kind = reflecting_technique(settings);
   return kind ? sizeof(gpu::vec4) + kind->bytes_per_pixel : 0;
 }
 
 std::vector<MemoryItem> frame_items(const RenderPlan& settings, const ScenePlan&, gpu::Feature) {
   std::vector<MemoryItem> items;
   if (uses_voxels(settings)) items.push_back({"surface voxels", most_voxel_bytes(settings.voxels)});
+  if (lights_voxels(settings)) items.push_back({"light of voxels", most_voxel_light_bytes(settings.voxels)});
   if (kAntialiasTechniques.find(settings)->beam) items.push_back({"triangles of beams", Beams::most_list_bytes()});
   return items;
 }
@@ -211,6 +221,10 @@ std::vector<std::string> hybrid_bias(const RenderPlan& settings, const RenderRes
   std::vector<std::string> bias;
   if (settings.max_depth <= 1)
     bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
+  else if (const ReflectionKind* bounce = kBounceTechniques.find(settings))
+    bias.push_back(
+        fmt::format("light of more than one bounce is that of one bounce off matt surfaces, {} (--bounce {})",
+                    bounce->summary, bounce->name));
   else
     bias.push_back(
         fmt::format("light of more than one bounce, what {} of it included, is an ambient "
@@ -269,6 +283,18 @@ Json reflection_json(const RenderPlan& settings, const std::optional<ReflectionR
           {"missed", static_cast<double>(reflections->asked - reflections->answered) / asked}};
 }
 
+// Milliseconds, where they are counted apart: a mean of frames, and once for all of them.
+Json bounce_json(const RenderPlan& settings, const RenderResult& result) {
+  if (!kBounceTechniques.find(settings)) return nullptr;
+  const auto ms = [&](std::string_view name, std::uint32_t frames) {
+    const auto stage = std::ranges::find(result.stages, name, &StageTime::name);
+    return stage == result.stages.end() ? Json() : Json(1000.0 * stage->seconds / frames);
+  };
+  return {{"technique", kBounceTechniques.name(settings)},
+          {"build_ms", ms(kVoxelLightStage, 1)},
+          {"ms", ms(kBounceConesStage, std::max(result.spp, 1u))}};
+}
+
 Json motion_blur_json(const RenderPlan& settings, const RenderResult& result) {
   if (!blurs_motion(settings)) return nullptr;
   const auto stage = std::ranges::find(result.stages, kMotionBlurStage, &StageTime::name);
@@ -295,9 +321,8 @@ void check_parts_of_pixels(const RenderPlan& settings) {
   if (blurs_motion(settings)) refuse("--shutter");
   if (kOcclusionTechniques.find(settings)) refuse("--occlusion");
   if (transparency && transparency->flag == gpu::kHybridRefractive) refuse("--transparency");
-  if (const ReflectionKind* reflections = kReflectionTechniques.find(settings);
-      reflections && reflections->searches_picture)
-    refuse("--reflections");
+  if (const ReflectionKind* reflections = reflecting_technique(settings); reflections && reflections->searches_picture)
+    refuse(kBounceTechniques.find(settings) ? "--bounce" : "--reflections");
   if (!settings.aovs.empty()) refuse("--aov");
 }
 
@@ -346,6 +371,10 @@ std::vector<OmittedStage> hybrid_omitted(const RenderPlan& settings) {
   if (kShadingModels.find(settings))
     omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
   if (!kReflectionTechniques.find(settings)) omitted.push_back({"mirrors of lit surfaces", "--reflections is none"});
+  if (const ReflectionKind* bounce = kBounceTechniques.find(settings))
+    omitted.push_back({"ambient occlusion", fmt::format("--bounce {} takes the place of its light", bounce->name)});
+  else
+    omitted.push_back({"a diffuse bounce", "--bounce is none"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -368,6 +397,7 @@ Json stats(const RenderPlan& settings, const PackedScene& scene, const RenderRes
           {"shadows", shadow_json(settings, result.shadows)},
           {"occlusion", occlusion_json(settings, result.occlusion)},
           {"reflections", reflection_json(settings, result.reflections)},
+          {"bounce", bounce_json(settings, result)},
           {"motion_blur", motion_blur_json(settings, result)},
           {"antialias", antialias_json(settings, result.antialias)},
           {"voxels", uses_voxels(settings) ? Json(settings.voxels) : Json()}};
@@ -379,6 +409,7 @@ void check(const RenderPlan& settings) {
   check_shading_settings(settings);
   check_transparency_settings(settings);
   check_reflection_settings(settings);
+  check_bounce_settings(settings);
 }
 
 bool has_effect(const RenderPlan& settings, std::string_view setting) {

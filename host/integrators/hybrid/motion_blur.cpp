@@ -1,6 +1,7 @@
 #include "host/integrators/hybrid/motion_blur.h"
 
 #include "host/base/error.h"
+#include "host/integrators/hybrid/bounce/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shadows/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
@@ -42,6 +43,7 @@ void check_motion_settings(const RenderPlan& settings) {
   if (kShadowTechniques.find(settings)) refuse("--shadows");
   if (kTransparencyTechniques.find(settings)) refuse("--transparency");
   if (kReflectionTechniques.find(settings)) refuse("--reflections");
+  if (kBounceTechniques.find(settings)) refuse("--bounce");
   if (uses_voxels(settings)) refuse("--occlusion cones");
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "host/integrators/hybrid/antialias/catalogue.h"
+#include "host/integrators/hybrid/bounce/catalogue.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/shading/catalogue.h"
@@ -13,13 +14,11 @@
 namespace wavepath {
 
 std::vector<Setting> technique_rows() {
-  const std::pair<SettingGroup, std::vector<Setting>> parts[] = {{SettingGroup::shadows, shadow_rows()},
-                                                                 {SettingGroup::occlusion, occlusion_rows()},
-                                                                 {SettingGroup::hybrid, voxel_rows()},
-                                                                 {SettingGroup::hybrid, antialias_rows()},
-                                                                 {SettingGroup::reflections, reflection_rows()},
-                                                                 {SettingGroup::shading, shading_rows()},
-                                                                 {SettingGroup::transparency, transparency_rows()}};
+  const std::pair<SettingGroup, std::vector<Setting>> parts[] = {
+      {SettingGroup::shadows, shadow_rows()},         {SettingGroup::occlusion, occlusion_rows()},
+      {SettingGroup::hybrid, voxel_rows()},           {SettingGroup::hybrid, antialias_rows()},
+      {SettingGroup::reflections, reflection_rows()}, {SettingGroup::reflections, bounce_rows()},
+      {SettingGroup::shading, shading_rows()},        {SettingGroup::transparency, transparency_rows()}};
   std::vector<Setting> rows;
   for (const auto& [group, part] : parts)
     for (Setting row : part) {

@@ -131,6 +131,7 @@ struct RenderSettings {
   std::uint32_t transparency_samples = 8;   // samples of stochastic transparency for each sample of a pixel
   std::uint32_t reflections = 0;            // what mirrors show of lit surfaces: index into kReflectionTechniques
   double reflection_threshold = 0.1;        // least reflectance, head-on, of surfaces that are mirrors
+  std::uint32_t bounce = 0;                 // light of one diffuse bounce: index into kBounceTechniques
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

@@ -55,28 +55,56 @@ bool has_left(SurfaceLevel level, ivec3 voxel, vec3 d) {
   return any(lessThan(mix(voxel, level.size - 1 - voxel, greaterThan(d, vec3(0.0))), ivec3(0)));
 }
 
+// A cone on its way, in voxels of level 0, and the voxel that it crosses next.
+struct ConeWalk {
+  vec3 origin, direction;
+  float widening, narrowing, t, t_max;
+  uint level_index;
+  SurfaceLevel level;
+  ivec3 voxel;
+  vec3 crossed_in, crossed_out; // see passing()
+};
+
+ConeWalk begin_walk(SurfaceGrid grid, Cone cone) {
+  ConeWalk walk;
+  walk.direction = mix(cone.direction, vec3(1e-8), lessThan(abs(cone.direction), vec3(1e-8)));
+  walk.origin = (cone.origin - grid.lo) / grid.voxel;
+  walk.widening = cone.widening * grid.voxel;
+  walk.narrowing = cone.narrowing * grid.voxel;
+  walk.t = 0.0;
+  walk.t_max = cone.t_max / grid.voxel;
+  return walk;
+}
+
+// Goes on to the next voxel. False at the end of the cone.
+bool step_cone(SurfaceGrid grid, vec3 shift, inout ConeWalk walk) {
+  if (walk.t >= walk.t_max) return false;
+  vec3 d = walk.direction;
+  float width = min(1.0 + walk.widening * walk.t, 1.0 + walk.narrowing * (walk.t_max - walk.t));
+  walk.level_index = min(uint(log2(max(width, 1.0))), grid.levels - 1u);
+  walk.level = fetch_surface_level(walk.level_index);
+  float size = float(1u << walk.level_index);
+  vec3 p = (walk.origin + walk.t * d) / size + shift;
+  walk.voxel = ivec3(floor(p));
+  if (has_left(walk.level, walk.voxel, d)) return false;
+  vec3 place = p - vec3(walk.voxel); // in the voxel
+  vec3 to_exit = (mix(vec3(0.0), vec3(1.0), greaterThan(d, vec3(0.0))) - place) / d;
+  float stretch = size * (min(to_exit.x, min(to_exit.y, to_exit.z)) + 1e-4);
+  walk.crossed_in = mix(1.0 - place, place, greaterThan(d, vec3(0.0)));
+  walk.crossed_out = walk.crossed_in + abs(d) * min(stretch, walk.t_max - walk.t) / size;
+  walk.t += stretch;
+  return true;
+}
+
 // Fraction of the cone that nothing blocks. `steps`: the most voxels that it visits.
 float unblocked(SurfaceGrid grid, Cone cone, vec3 shift, uint steps) {
-  vec3 d = mix(cone.direction, vec3(1e-8), lessThan(abs(cone.direction), vec3(1e-8)));
-  vec3 origin = (cone.origin - grid.lo) / grid.voxel;
-  float t_max = cone.t_max / grid.voxel, t = 0.0, passed = 1.0; // in voxels of level 0
-  for (uint step = 0u; step < steps && t < t_max && passed > kNothing; ++step) {
-    float width = min(1.0 + cone.widening * grid.voxel * t, 1.0 + cone.narrowing * grid.voxel * (t_max - t));
-    uint level_index = min(uint(log2(max(width, 1.0))), grid.levels - 1u);
-    SurfaceLevel level = fetch_surface_level(level_index);
-    float size = float(1u << level_index);
-    vec3 p = (origin + t * d) / size + shift;
-    ivec3 voxel = ivec3(floor(p));
-    if (has_left(level, voxel, d)) break;
-    vec3 place = p - vec3(voxel); // in the voxel
-    vec3 to_exit = (mix(vec3(0.0), vec3(1.0), greaterThan(d, vec3(0.0))) - place) / d;
-    float stretch = size * (min(to_exit.x, min(to_exit.y, to_exit.z)) + 1e-4);
-    bool has_bits = level_index == 0u;
-    vec3 opacity = opacity_of(level, has_bits, voxel);
+  ConeWalk walk = begin_walk(grid, cone);
+  float passed = 1.0;
+  for (uint step = 0u; step < steps && passed > kNothing && step_cone(grid, shift, walk); ++step) {
+    bool has_bits = walk.level_index == 0u;
+    vec3 opacity = opacity_of(walk.level, has_bits, walk.voxel);
     if (has_bits && opacity.x > 0.0) return 0.0; // as narrow as a ray
-    vec3 crossed = mix(1.0 - place, place, greaterThan(d, vec3(0.0)));
-    passed *= passing(opacity, crossed, crossed + abs(d) * min(stretch, t_max - t) / size);
-    t += stretch;
+    passed *= passing(opacity, walk.crossed_in, walk.crossed_out);
   }
   return passed > kNothing ? passed : 0.0;
 }

@@ -18,6 +18,7 @@ void refuse_parts_of_frames(const RenderPlan& settings) {
   };
   if (!settings.aovs.empty()) refuse("--aov");
   if (settings.reflections != 0) refuse("--reflections");
+  if (settings.bounce != 0) refuse("--bounce");
 }
 
 } // namespace

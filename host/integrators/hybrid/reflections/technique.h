@@ -42,6 +42,7 @@ public:
 };
 
 struct ReflectionKind;
+class SurfaceVoxels; // host/integrators/hybrid/voxels/surface_voxels.h
 
 // Arguments for making a technique. They outlive it.
 struct ReflectionContext {
@@ -53,6 +54,7 @@ struct ReflectionContext {
   std::function<void(Commands&, std::size_t band, const gpu::Wave&)> light;
   // The wave of these entries of the film in the frame that begins.
   std::function<gpu::Wave(std::uint32_t first_entry, std::uint32_t count)> wave;
+  const SurfaceVoxels* voxels = nullptr; // null unless the kind asks for them
 };
 
 // Each technique defines one constant of this type in its own file.
@@ -65,6 +67,7 @@ struct ReflectionKind {
   std::uint32_t depth = 1;                             // mirrors behind each other that it shows at most
   bool traces = false;                                 // by the path tracer's kernel `extend`
   bool searches_picture = false;                       // for what mirrors show
+  bool voxels = false;                                 // looks for what is met in surface voxels
   std::uint32_t bytes_per_pixel = 0;                   // of device memory, besides kBindReflections
   void (*check)(const RenderPlan& settings) = nullptr; // throws UsageError where settings do not go with it
   std::unique_ptr<ReflectionTechnique> (*make)(const ReflectionContext& context) = nullptr;
