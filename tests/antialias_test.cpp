@@ -419,14 +419,15 @@ TEST_F(AntialiasTest, BeamsAreNearerToSupersamplingThanCoverageSamples) {
   EXPECT_LT(beams, 0.5 * coverage_samples);
 }
 
-// A render may end at any frame: each shows the whole of a pixel that one triangle covers, and no edge is bright.
+// A render may end at any frame: each shows the whole of a pixel that one triangle covers. Of two parts the larger one,
+// f, has two frames up to f = 2/3, and then three: a first frame of weight 2 f errs by f, or one of 4/3 f by less.
 TEST_F(AntialiasTest, AnyNumberOfFramesOfBeamsIsNearlyRight) {
   const std::vector<float> four = light(small_half_plane(0.37f, 0.1f), antialias_settings("beam", 4));
   for (const std::uint32_t frames : {1u, 2u, 3u, 5u}) {
     const std::vector<float> picture = light(small_half_plane(0.37f, 0.1f), antialias_settings("beam", frames));
     for (int i = 0; i < kSide * kSide; ++i) {
       const bool is_edge = four[i] > 1e-4f && four[i] < 1.0f - 1e-4f;
-      ASSERT_NEAR(picture[i], four[i], is_edge ? 0.6f : 1e-4f) << frames << " frames, pixel " << i;
+      ASSERT_NEAR(picture[i], four[i], is_edge ? 0.667f : 1e-4f) << frames << " frames, pixel " << i;
     }
   }
 }
