@@ -124,7 +124,7 @@ TEST_F(BounceTest, ConesFindTheLightInABoxAndMoreVoxelsFindItBetter) {
     EXPECT_LT(now, error) << voxels;
     error = now;
   }
-  EXPECT_LT(error, 0.1);
+  EXPECT_LT(error, 0.06);
 }
 
 // What a wall sends on has its colour: the ratio of channels is that of its reflectances.
