@@ -72,7 +72,7 @@ GPU_CONSTANT uint kMirrorsDraw = 0u;
 GPU_CONSTANT uint kMirrorsIdeal = 1u;
 
 // 64-bit totals in two words each, low word first.
-GPU_CONSTANT uint kCountAsked = 0u; // samples of pixels that show a mirror, and again where that shows another one
+GPU_CONSTANT uint kCountAsked = 0u;    // samples of pixels that show a mirror, and again where that shows another one
 GPU_CONSTANT uint kCountAnswered = 2u; // those of them for which the technique knows what the mirror shows
 GPU_CONSTANT uint kReflectionCounts = 4u;
 
