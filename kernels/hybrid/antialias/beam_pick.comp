@@ -1,6 +1,6 @@
 // Picks what a pixel shows: of the triangles in its beam and what is seen where none is, those with the largest
-// fractions of the pixel. Each of kFractions pictures shows one of them, and large ones are in several: so pictures have
-// about the same weight, and few of them are nearly right already. Push constant: as for beam_find.comp.
+// fractions of the pixel. Each of kFractions pictures shows one of them, and large ones are in several. So pictures
+// have about the same weight, and few of them are nearly right already. Push constant: as for beam_find.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
