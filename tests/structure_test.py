@@ -281,8 +281,7 @@ class Structure(unittest.TestCase):
         for subject, cases in subjects.items():
             known = re.findall(r"^TEST(?:_F|_P)?\(\w+, (\w+)\)", (ROOT / f"tests/{subject}_test.cpp").read_text(), re.M)
             with self.subTest(subject=subject):
-                self.assertEqual(set(cases) - set(known), set())
-                self.assertGreater(len(known), len(cases))
+                self.assertEqual({case.strip('"').split("/")[0] for case in cases} - set(known), set())
 
     def test_every_file_begins_with_its_job(self):
         """x.cpp may leave that to x.h."""
