@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/hybrid/motion_blur.h"
+#include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
 #include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/path/kind.h"
