@@ -422,9 +422,11 @@ TEST_F(AntialiasTest, BeamsAreNearerToSupersamplingThanCoverageSamples) {
 // A render may end at any frame: each shows the whole of a pixel that one triangle covers. Of two parts the larger one,
 // f, has two frames up to f = 2/3, and then three: a first frame of weight 2 f errs by f, or one of 4/3 f by less.
 TEST_F(AntialiasTest, AnyNumberOfFramesOfBeamsIsNearlyRight) {
-  const std::vector<float> four = light(small_half_plane(0.37f, 0.1f), antialias_settings("beam", 4));
+  Scene scene = nothing();
+  add_shining(scene, {{{-40, -11.3f}, {40, 17.9f}, {0, -70}}}, 0.0f, 1.0f);
+  const std::vector<float> four = light(scene, antialias_settings("beam", 4));
   for (const std::uint32_t frames : {1u, 2u, 3u, 5u}) {
-    const std::vector<float> picture = light(small_half_plane(0.37f, 0.1f), antialias_settings("beam", frames));
+    const std::vector<float> picture = light(scene, antialias_settings("beam", frames));
     for (int i = 0; i < kSide * kSide; ++i) {
       const bool is_edge = four[i] > 1e-4f && four[i] < 1.0f - 1e-4f;
       ASSERT_NEAR(picture[i], four[i], is_edge ? 0.667f : 1e-4f) << frames << " frames, pixel " << i;
