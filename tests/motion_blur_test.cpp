@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
+#include "host/integrators/hybrid/bounce/catalogue.h"
 #include "host/integrators/hybrid/motion_blur.h"
 #include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/integrators/hybrid/reflections/catalogue.h"
@@ -288,8 +289,13 @@ TEST(MotionBlurSettings, RefuseWhatDrawsSurfacesAsTheShutterOpens) {
   const std::vector<std::function<void(RenderPlan&)>> changes = {
       [](RenderPlan& s) { s.first_hit = kFirstHitRaster; },
       [](RenderPlan& s) { s.shadows = index_of(kShadowTechniques.names(), "map"); },
-      [](RenderPlan& s) { s.transparency = 1; }, [](RenderPlan& s) { s.reflections = 1; },
-      [](RenderPlan& s) { s.occlusion = index_of(kOcclusionTechniques.names(), "cones"); }};
+      [](RenderPlan& s) { s.transparency = 1; },
+      [](RenderPlan& s) { s.reflections = 1; },
+      [](RenderPlan& s) { s.bounce = index_of(kBounceTechniques.names(), "traced"); },
+      [](RenderPlan& s) {
+        s.max_depth = 2; // with an ambient term
+        s.occlusion = index_of(kOcclusionTechniques.names(), "cones");
+      }};
   for (const auto& change : changes) {
     RenderPlan settings = motion_settings();
     change(settings);
