@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_FRACTIONS_GLSL
 #define WAVEPATH_FRACTIONS_GLSL
 
-// Of the pixel, that the frame sees; 1 where frames see whole pixels.
+// Fraction of the pixel that the frame sees; 1 where frames see whole pixels.
 float seen_fraction(uint pixel_index) {
   if ((hybrid.flags & kHybridFractions) == 0u) return 1.0;
   return fractions[hybrid.sample_position * frame.width * frame.height + pixel_index];

@@ -9,7 +9,7 @@ layout(set = 0, binding = kFilterVelocities) uniform usamplerBuffer velocity_tex
 // Pixels that a surface enters on its way, one after the other along the longer axis.
 float pixels_passed(vec2 velocity) { return max(abs(velocity.x), abs(velocity.y)); }
 
-// In pixels, from the opening of the shutter to its close; kLongestBlur at most.
+// Velocity in pixels, from the opening of the shutter to its close; kLongestBlur at most.
 vec2 velocity_of(int index) {
   vec2 velocity = uintBitsToFloat(texelFetch(velocity_texels, index).xy);
   float passed = pixels_passed(velocity);

@@ -16,7 +16,7 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Of the depth of a point: what is nearer than that, or behind the eye, is shown as if it were so deep.
+// Fraction of a point's depth: an end of its way that is nearer, or behind the eye, is shown as if it were so deep.
 const float kNearest = 0.01;
 
 // Position in pixels from the middle of the picture, of what lies at `offset` from the eye.

@@ -530,7 +530,7 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
   return jitters_[sample - first_jitter_];
 }
 
-// From the position in a pixel of the picture to that in a pixel of the frame, which are squares of 2x2 pixels. Their
+// Position in a pixel of the frame, for a position in a pixel of the picture, of which a frame's pixel has 2x2. Their
 // places take turns, the second one across from the first, and begin a place later every four frames: every fourth
 // position of a sequence lies in the same quarter of the pixel, and each place is to see all quarters.
 glm::vec2 Hybrid::jitter_of_half(glm::vec2 jitter, std::uint32_t sample) {

@@ -100,7 +100,7 @@ private:
   void see(WaveQueue& queue);
   // `shadows`: null = all shadows are traced.
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave, ShadowTechnique* shadows);
-  // By a kernel of one lane a pixel, row by row.
+  // Submits a kernel that has one lane for each pixel, row by row.
   void for_all_pixels(WaveQueue& queue, std::size_t stage, const WaveQueue::Work& work);
   void composite(WaveQueue& queue, std::uint32_t flags);
   // `stage`: kComposite, or of the upscaled frame. `flags`: of HybridFrame.
@@ -115,7 +115,7 @@ private:
   KernelCompiler& kernels_;
   Paths paths_;
   BufferSet buffers_;
-  // Of frames, as `camera_` is: of half the picture's size where they are upscaled.
+  // Settings and camera of frames, which have half the picture's size where they are upscaled.
   RenderPlan settings_;
   gpu::CameraView camera_;
   ShownPart shown_;
@@ -143,7 +143,8 @@ private:
     bool operator==(const LayersMadeFor&) const = default;
   };
   Kept<Layers, LayersMadeFor> layers_; // null if no technique draws BLEND surfaces in layers
-  // Of mirrors, or of a bounce; null if there is neither. Key: kind, and voxels along a side if it looks at them.
+  // The technique of mirrors, or of a bounce; null if there is neither. Key: kind, and voxels along a side if it looks
+  // at them.
   Kept<ReflectionTechnique, std::pair<const ReflectionKind*, std::uint32_t>> reflections_;
   Kept<Filters, glm::uvec4> filters_; // key: size, flags, kinds of filters
   std::vector<glm::vec2> jitters_;    // positions in the pixel of the frames from first_jitter_ on

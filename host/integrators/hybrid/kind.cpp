@@ -141,7 +141,7 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
-// Of shared colours, or of the parts of a pixel.
+// Bytes of a pixel for shared colours, or for the parts that beams find.
 std::uint64_t shared_color_bytes(const RenderPlan& settings) {
   const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
   if (kind.beam) return gpu::kFractions * (sizeof(glm::uvec2) + sizeof(float));
@@ -161,7 +161,7 @@ std::vector<MemoryItem> frame_items(const RenderPlan& settings, const ScenePlan&
   return items;
 }
 
-// Of a slot, where mirrors show mirrors.
+// Bytes of a slot for the ray from the first mirror to the second one; 0 where mirrors do not show mirrors.
 std::uint64_t nested_ray_bytes(const RenderPlan& settings) {
   const ReflectionKind* kind = kReflectionTechniques.find(settings);
   return kind && settings.max_depth > 1 && reflection_depth(*kind, settings) > 1 ? sizeof(gpu::NestedRay) : 0;
@@ -306,7 +306,7 @@ Json antialias_json(const RenderPlan& settings, const std::optional<FrameCost>& 
   return {{"technique", kAntialiasTechniques.find(settings)->name}, {"ms", cost ? cost_json(*cost) : Json()}};
 }
 
-// What looks at a frame as a whole does not find it where frames see parts of pixels.
+// Refuses techniques that look at a frame as a whole, where frames see parts of pixels.
 void check_parts_of_pixels(const RenderPlan& settings) {
   const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
   if (!kind.beam) return;

@@ -138,7 +138,7 @@ float sector(vec2 a, vec2 b) {
   return 0.5 * kDiscRadius * kDiscRadius * atan2_exact(cross_of(a, b), dot(a, b));
 }
 
-// Of the disc, what is in the triangle between its middle and an edge from a to b; negative clockwise.
+// Area of the disc in the triangle between its middle and an edge from a to b; negative clockwise.
 float disc_part(vec2 a, vec2 b) {
   vec2 d = b - a;
   float dd = dot(d, d), ad = dot(a, d), root = ad * ad - dd * (dot(a, a) - kDiscRadius * kDiscRadius);

@@ -38,7 +38,7 @@ vec2 middle_of(Polygon polygon) {
   return sum / float(polygon.count);
 }
 
-// Of equal depths the lower one in the order of the list is nearer.
+// Of two triangles as deep, the first one in the list counts as nearer.
 bool hides(BeamTriangle other, BeamTriangle own, vec2 point, bool comes_first) {
   float other_depth = depth_at(other, point), own_depth = depth_at(own, point);
   return other_depth < own_depth || (other_depth == own_depth && comes_first);

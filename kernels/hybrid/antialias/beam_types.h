@@ -8,12 +8,13 @@
 namespace wavepath::gpu {
 #endif
 
-// Of the pixels of a dispatch. Storage uvec2[], kBeamStride a pixel: the triangles that its beam meets, the nearest
-// first, as kBindVisibility has them, kNone behind the last one; then 1 if there may be more, and 0.
+// Lists of the pixels of a dispatch. Storage uvec2[], kBeamStride a pixel: the triangles that its beam meets, the
+// nearest first, as kBindVisibility has them, kNone behind the last one; then 1 if there may be more, and 0.
 GPU_CONSTANT uint kBindBeamTriangles = 164u;
 // Storage float[], kBeamTriangles a pixel: fraction of it that shows each; kBeamLost more if some of it was lost.
 GPU_CONSTANT uint kBindBeamAreas = 165u;
-// Of all pixels. Storage uvec2[]: what the pixel shows, as kBindVisibility; one picture for each of kFractions.
+// Pictures of all pixels. Storage uvec2[]: what the pixel shows, as kBindVisibility; one picture for each of
+// kFractions.
 GPU_CONSTANT uint kBindBeamIds = 166u;
 
 GPU_CONSTANT uint kBeamTriangles = 12u;

@@ -14,8 +14,8 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindVoxelNormals = 171u;
 GPU_CONSTANT uint kBindVoxelFronts = 172u;
 GPU_CONSTANT uint kBindVoxelBacks = 173u;
-// Of the higher levels, kVoxelAxisWords a voxel: what a way along x, against x, along y, against y, along z, against z
-// meets first: radiance times opacity.
+// Light of the higher levels, kVoxelAxisWords a voxel: what a way along x, against x, along y, against y, along z,
+// against z meets first: radiance times opacity.
 GPU_CONSTANT uint kBindVoxelAxes = 174u;
 GPU_CONSTANT uint kBindVoxelPlaces = 175u; // texels RG32UI, one for each item of work: triangle, instance
 

@@ -34,7 +34,7 @@ uint first_axis_word(SurfaceLevel level, uint index) {
 // inside of a wall.
 const float kAlong = 0.25;
 
-// What a way in this direction meets in a voxel of level 0 that holds a surface.
+// The light that a way in this direction meets in a voxel of level 0 that holds a surface.
 vec3 side_light(uint index, vec3 direction) {
   vec3 front = unpack_light(voxel_fronts[index]), back = unpack_light(voxel_backs[index]);
   float cosine = dot(unpackSnorm4x8(voxel_normals[index]).xyz, direction);

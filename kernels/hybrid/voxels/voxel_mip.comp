@@ -10,7 +10,7 @@
 layout(local_size_x = kWorkgroupSize) in;
 layout(set = 0, binding = kBindSurfaceVoxelWords, std430) buffer VoxelWordBlock { uint voxel_words[]; };
 
-// What passes the voxel along each axis.
+// Fraction of light that passes the voxel along each axis.
 vec3 passing(SurfaceLevel level, bool has_bits, ivec3 voxel) {
   if (!is_in_level(level, voxel)) return vec3(1.0);
   uint index = index_of_voxel(level, voxel);

@@ -15,10 +15,10 @@ layout(set = 0, binding = kBindSurfaceItems) uniform usamplerBuffer voxel_items;
 // What to do with a voxel of level 0, by its index.
 void meet(uint index);
 
-// Of the cross product of two edges, relative to the product of their lengths.
+// Error of the cross product of two edges, relative to the product of their lengths.
 const float kNormalError = 9.5367432e-7; // 2^-20
 
-// In voxels of level 0.
+// Position of a corner, in voxels of level 0.
 vec3 grid_corner(SurfaceGrid grid, uint triangle, uint instance, uint corner) {
   vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner)).xyz;
   if (has(kFeatureInstances) && frame.root_is_top != 0u) p = transform_point(instance * kInstanceTexels + 3u, p);

@@ -10,7 +10,7 @@ namespace {
 
 const std::array<KernelCode, 1> kUpscalePasses = {{{"upscale", wavepath_upscale_spv}}};
 
-// What counts the pixels of frames by those of the picture.
+// Refuses the parts of frames that have one value for each pixel of the picture.
 void refuse_parts_of_frames(const RenderPlan& settings) {
   const auto refuse = [](const char* flag) {
     throw UsageError(flag, "is not supported by --antialias upscale, whose frames have a quarter of the pixels",

@@ -26,7 +26,7 @@ const std::vector<BufferRule> kLightRules = {{"normals", nullptr, {{gpu::kBindVo
                                              {"items", nullptr, {{gpu::kBindSurfaceItems, texels_rgba32ui}}},
                                              {"places", nullptr, {{gpu::kBindVoxelPlaces, texels_rg32ui}}}};
 
-// What cones look up: the first buffers.
+// Bindings of the first buffers, which cones look up.
 constexpr std::array<std::uint32_t, 4> kLookedUp = {gpu::kBindVoxelNormals, gpu::kBindVoxelFronts, gpu::kBindVoxelBacks,
                                                     gpu::kBindVoxelAxes};
 
@@ -37,8 +37,8 @@ const std::array<KernelCode, kLightKernelCount> kLightKernels = {
      {kVoxelLightStage, wavepath_voxel_light_mip_spv}}};
 constexpr std::array<std::size_t, kLightKernelCount> kLightOrder = {kLightUp, kOwner, kMip};
 
-// Of a dispatch: most voxels are empty, but a wall may fill one with surfaces, each of which sends kVoxelLightSamples
-// rays.
+// Voxels of a dispatch. Most are empty, but a wall may fill a dispatch with surfaces, each of which sends
+// kVoxelLightSamples rays.
 constexpr std::uint64_t kVoxelsLit = 1 << 15, kVoxelsJoined = 1 << 16;
 
 std::vector<Binding> voxel_light_program_layout() {
