@@ -77,21 +77,14 @@ enum OwnBuffer : std::size_t {
   kSignals,
   kJitters,
   kLayers,
-  kColorIds,
-  kColorSeen,
-  kColorSignals,
   kReflected,
   kVelocities,
-  kParts
+  kPixelParts
 };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
                         kCapacityForReflections = 1u << 2, kCapacityForVelocities = 1u << 3,
-                        kCapacityForParts = 1u << 4; // bits of BufferDimensions::options
-
-std::uint64_t shared_colors(const BufferDimensions& e) {
-  return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
-}
+                        kCapacityForFractions = 1u << 4; // bits of BufferDimensions::options
 
 // Indexed by OwnBuffer. Data of pixels are row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
@@ -110,26 +103,18 @@ const std::vector<BufferRule> kHybridRules = {
     {"layers",
      [](const BufferDimensions& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
-    {"triangles of shared colours",
-     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(glm::uvec2); },
-     {{gpu::kBindColorIds, BindingKind::storage}}},
-    {"emission of shared colours",
-     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindColorSeen, BindingKind::storage}}},
-    {"signals of shared colours",
-     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
-     {{gpu::kBindColorSignals, BindingKind::storage}}},
     {"reflections",
      [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindReflections, BindingKind::storage}}},
     {"velocities",
      [](const BufferDimensions& e) { return e.options & kCapacityForVelocities ? e.pixels * sizeof(gpu::vec2) : 0; },
      {{gpu::kBindVelocities, BindingKind::storage}}},
-    {"fractions of pixels",
+    {"shared colours, or fractions of pixels",
      [](const BufferDimensions& e) {
-       return e.options & kCapacityForParts ? e.pixels * gpu::kFractions * sizeof(float) : 0;
+       if (e.options & kCapacityForSharedColors) return e.pixels * gpu::kSharedColors * sizeof(gpu::SharedColor);
+       return e.options & kCapacityForFractions ? e.pixels * gpu::kFractions * sizeof(float) : 0;
      },
-     {{gpu::kBindFractions, BindingKind::storage}}},
+     {{gpu::kBindSharedColors, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -338,7 +323,7 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
       {.pixels = workspace_.film.pixels(),
        .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
                   (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0) |
-                  (sees_parts() ? kCapacityForParts : 0)});
+                  (sees_parts() ? kCapacityForFractions : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -371,7 +356,7 @@ void Hybrid::remake_beams() {
   if (!sees_parts()) return beams_.reset();
   const std::uint32_t shape = *kAntialiasTechniques.find(settings_)->beam;
   beams_.keep(shape, [&] { return std::make_unique<Beams>(workspace_, kernels_, shape); });
-  beams_->change(need_.config, buffers_[kFrame], buffers_[kParts], visibility_->ids());
+  beams_->change(need_.config, buffers_[kFrame], buffers_[kPixelParts], visibility_->ids());
 }
 
 void Hybrid::remake_occlusion() {
