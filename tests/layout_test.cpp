@@ -252,6 +252,8 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, film_height)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+  compare("SharedColor", sizeof(SharedColor),
+          {AT(SharedColor, seen), AT(SharedColor, signals), AT(SharedColor, triangle), AT(SharedColor, unused)});
 }
 
 TEST(Layout, Reflections) {
@@ -340,6 +342,8 @@ TEST(Layout, Radiosity) {
            AT(PatchSurface, both_sides)});
   compare("ShotBlock", sizeof(ShotBlock),
           {AT(ShotBlock, face), AT(ShotBlock, first), AT(ShotBlock, rays), AT(ShotBlock, shot)});
+  compare("LinkBlock", sizeof(LinkBlock),
+          {AT(LinkBlock, a), AT(LinkBlock, b), AT(LinkBlock, number), AT(LinkBlock, unused)});
   compare("SeenPoint", sizeof(SeenPoint), {AT(SeenPoint, hit), AT(SeenPoint, weight), AT(SeenPoint, back)});
 }
 

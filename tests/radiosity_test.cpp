@@ -1,6 +1,6 @@
-// Radiosity: form factors of squares that have closed forms, the closed furnace, energy, agreement with path tracing in
-// a diffuse room as patches shrink, lamps that are no surfaces, surfaces without cracks at T-vertices, and the bits of
-// a solution that is kept for other views.
+// Radiosity: form factors of squares that have closed forms, the closed furnace, energy, links, agreement with path
+// tracing in a diffuse room as patches shrink, lamps that are no surfaces, surfaces without cracks at T-vertices, and
+// the bits of a solution that is kept for other views.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,10 +19,13 @@
 #include "host/integrators/radiosity/adaptive_patches.h"
 #include "host/integrators/radiosity/hemicube.h"
 #include "host/integrators/radiosity/kind.h"
+#include "host/integrators/radiosity/links.h"
+#include "host/integrators/radiosity/point_form_factor.h"
 #include "host/integrators/radiosity/settings.h"
 #include "host/render/render.h"
 #include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/hit_surface.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
@@ -160,6 +163,140 @@ TEST(Refinement, ShootsUntilLittleIsLeft) {
   EXPECT_NEAR(refinement.absorbed(light), 1.0, 1e-3) << "all of it, with the ambient term";
 }
 
+struct FormFactorCase {
+  const char* name;
+  glm::vec3 corner, a, b;
+  double factor;
+};
+
+// Howell's catalogue, C-11 and C-14, of unit squares at distance 1 and with a common edge.
+const FormFactorCase kFormFactorCases[] = {{"parallel", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.1998249},
+                                           {"perpendicular", {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0.2000438}};
+
+// Howell's catalogue, B-4: a rectangle that faces the point, which is below one of its corners.
+TEST(Links, PointFormFactorsAreThoseOfTheCatalogue) {
+  const double a = 0.7, b = 1.9; // sides over distance
+  const auto part = [](double x, double y) { return x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)); };
+  const double expected = (part(a, b) + part(b, a)) / (2.0 * std::numbers::pi);
+  const glm::dvec3 at(3.0, -2.0, 5.0), up(0, 0, 1), p = at + 2.0 * up, x(2 * a, 0, 0), y(0, 2 * b, 0);
+  EXPECT_NEAR(point_form_factor(at, up, {p, p + x, p + x + y}) + point_form_factor(at, up, {p, p + x + y, p + y}),
+              expected, 1e-14);
+  EXPECT_EQ(point_form_factor(at, -up, {p, p + x, p + x + y}), 0.0) << "below the horizon";
+  // Half of a wide wall that stands on the horizon, which goes on below it: half of the hemisphere.
+  const glm::dvec3 wall = at + glm::dvec3(1e-6, -1e3, -1e3);
+  const glm::dvec3 wide(0, 2e3, 0), high(0, 0, 2e3);
+  EXPECT_NEAR(point_form_factor(at, up, {wall, wall + wide, wall + wide + high}) +
+                  point_form_factor(at, up, {wall, wall + wide + high, wall + high}),
+              0.5, 1e-5);
+  EXPECT_EQ(point_form_factor(at, up, {at, at + x, at + x + y}), 0.0) << "in one plane";
+}
+
+// Links of a scene without a device: nothing stands between.
+Links unshadowed_links(const PackedScene& packed, std::uint32_t patches, std::vector<Face> faces, std::uint64_t most) {
+  Links links(make_link_nodes(packed, uniform_patches(packed, patches)), std::move(faces), most);
+  for (auto next = links.next(100); !next.empty(); next = links.next(100))
+    links.measure(std::vector<float>(next.size(), 1.0f));
+  return links;
+}
+
+std::vector<Face> faces_of(const PackedScene& packed, std::uint32_t patches) {
+  const PatchTree tree = uniform_patches(packed, patches);
+  std::vector<Face> faces;
+  for (const double area : make_mesh(packed, tree).areas) faces.insert(faces.end(), 2, Face{.area = area});
+  return faces;
+}
+
+TEST(Links, ExchangeOfSquaresIsThatOfTheCatalogue) {
+  for (const FormFactorCase& one : kFormFactorCases) {
+    SCOPED_TRACE(one.name);
+    Scene scene = two_squares(one.corner, one.a, one.b);
+    const PackedScene packed = pack(scene);
+    const std::vector<LinkNode> nodes = make_link_nodes(packed, uniform_patches(packed, 256));
+    double all = 0.0; // of the leaves
+    for (std::uint32_t a = 0; a < nodes.size(); ++a)
+      for (std::uint32_t b = a + 1; b < nodes.size(); ++b)
+        for (std::uint32_t sides = 0; sides < 4; ++sides)
+          if (nodes[a].first_child == 0 && nodes[b].first_child == 0)
+            all += exchange_of(nodes, 2 * a + (sides & 1), 2 * b + (sides >> 1)).area;
+    EXPECT_NEAR(all, one.factor, 2e-4);
+  }
+}
+
+// Mean form factor of the points of a triangle with normal +x, by 576 of them.
+double mean_factor(const std::array<glm::dvec3, 3>& from, const std::array<glm::dvec3, 3>& to) {
+  constexpr int kSteps = 24;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < 2 * (kSteps - i) - 1; ++j) { // every second one stands on its head
+      const double u = (i + (j % 2 ? 2.0 : 1.0) / 3.0) / kSteps, v = (j / 2 + (j % 2 ? 2.0 : 1.0) / 3.0) / kSteps;
+      sum += point_form_factor(from[0] + u * (from[1] - from[0]) + v * (from[2] - from[0]), {1, 0, 0}, to);
+    }
+  return sum / (kSteps * kSteps);
+}
+
+// Of a dark square, lit by another one: links end where the light is right, so more of them have less error.
+TEST(Links, AreCutWhereLightWouldBeWrong) {
+  Scene scene = two_squares({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  const PackedScene packed = pack(scene);
+  const PatchTree tree = uniform_patches(packed, 512), whole = uniform_patches(packed, 1);
+  const auto is_lamp = [&](const gpu::Patch& patch) { // the one that lies
+    return std::abs(geometric_normal(packed, {patch.triangle, patch.instance, 0.25f, 0.25f}).y) > 0.5;
+  };
+  std::vector<Face> faces = faces_of(packed, 512);
+  for (std::uint32_t i = 0; i < tree.size(); ++i)
+    if (is_lamp(tree.patches[i])) faces[2 * i].unshot = glm::dvec3(1.0);
+  double before = 1.0;
+  for (const std::uint64_t most : {16u, 64u, 512u, 4096u}) {
+    const Links links = unshadowed_links(packed, 512, faces, most);
+    EXPECT_LE(links.measured(), most);
+    EXPECT_GT(links.measured(), most / 2);
+    const std::vector<glm::dvec3> light = links.irradiance();
+    double squares = 0.0, lit = 0.0;
+    for (std::uint32_t i = 0; i < tree.size(); ++i) {
+      if (is_lamp(tree.patches[i])) continue;
+      double expected = 0.0;
+      for (const gpu::Patch& lamp : whole.patches)
+        if (is_lamp(lamp)) expected += mean_factor(corners_of(packed, tree.patches[i]), corners_of(packed, lamp));
+      squares += std::pow(light[2 * i].r - expected, 2.0);
+      lit += expected * expected;
+    }
+    const double error = std::sqrt(squares / lit);
+    RecordProperty("error_" + std::to_string(most), std::to_string(error));
+    if (most <= 512)
+      EXPECT_LT(error, 0.5 * before) << most;
+    else // the lamp is cut too, as links do not know that nothing stands between
+      EXPECT_LT(error, 5e-3);
+    before = error;
+  }
+}
+
+// Faces that send nothing to each other keep the links of whole triangles.
+TEST(Links, AreNotCutInTheDark) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.5f, 0.0f));
+  const PackedScene packed = pack(scene);
+  const Links links = unshadowed_links(packed, 1000, faces_of(packed, 1000), 1u << 20);
+  EXPECT_EQ(links.measured(), 60u) << "each of 12 triangles sees the ten of other walls";
+}
+
+// Form factors that add up to more than 1 would let light grow for ever where nothing is absorbed.
+TEST(Links, CreateNoLight) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 1.0f, 1.0f));
+  const PackedScene packed = pack(scene);
+  std::vector<Face> faces = faces_of(packed, 300);
+  for (Face& face : faces) face.reflectance = face.unshot = glm::dvec3(1.0);
+  for (const std::uint64_t most : {60u, 1000u}) {
+    const Links links = unshadowed_links(packed, 300, faces, most);
+    for (const glm::dvec3& light : links.irradiance()) {
+      EXPECT_TRUE(std::isfinite(light.r));
+      EXPECT_LE(light.r, 1.0 / (1.0 - 0.9995) + 1.0);
+    }
+  }
+}
+
 TEST(Patches, HaveOneSizeAndAllOfTheArea) {
   Scene scene;
   scene.path = "test";
@@ -250,20 +387,10 @@ TEST(Patches, HaveNoCracksAtTVertices) {
 
 // ---- oracles --------------------------------------------------------------------------------------------------------
 
-struct FormFactorCase {
-  const char* name;
-  glm::vec3 corner, a, b;
-  double factor;
-};
-
-// Howell's catalogue, C-11 and C-14, of unit squares at distance 1 and with a common edge.
-const FormFactorCase kFormFactorCases[] = {{"parallel", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.1998249},
-                                           {"perpendicular", {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0.2000438}};
-
 // What does not reach the other square leaves the scene.
 TEST_F(RadiosityTest, FormFactorsOfSquaresAreThoseOfTheCatalogue) {
   for (const FormFactorCase& one : kFormFactorCases)
-    for (const std::uint32_t by : {0u, kFormFactorsHemicube}) {
+    for (const std::uint32_t by : {0u, kFormFactorsHemicube, kFormFactorsLinks}) {
       SCOPED_TRACE(std::string(one.name) + " by " + std::string(kFormFactorNames[by]));
       RenderPlan settings = plan_of(&kRadiosity, 1, 256);
       settings.form_factors = by;
@@ -277,7 +404,7 @@ TEST_F(RadiosityTest, FormFactorsOfSquaresAreThoseOfTheCatalogue) {
 
 // B = E / (1 - rho) at every patch, and so in every pixel.
 TEST_F(RadiosityTest, AClosedFurnaceIsEvenlyBright) {
-  for (const std::uint32_t by : {0u, kFormFactorsHemicube}) {
+  for (const std::uint32_t by : {0u, kFormFactorsHemicube, kFormFactorsLinks}) {
     SCOPED_TRACE(kFormFactorNames[by]);
     Scene scene;
     scene.path = "test";
@@ -311,7 +438,7 @@ TEST_F(RadiosityTest, AFurnaceIsAsBrightWithAFinalGather) {
 
 // What lamps send is absorbed or leaves through the open side.
 TEST_F(RadiosityTest, KeepsEnergyToAThousandth) {
-  for (const std::uint32_t by : {0u, kFormFactorsHemicube})
+  for (const std::uint32_t by : {0u, kFormFactorsHemicube, kFormFactorsLinks})
     for (const std::uint32_t subdivision : {0u, kSubdivisionAdaptive}) {
       RenderPlan settings = plan_of(&kRadiosity, 1, 512);
       settings.form_factors = by, settings.subdivision = subdivision;
@@ -345,6 +472,28 @@ TEST_F(RadiosityTest, ComesCloserToPathTracingAsPatchesShrink) {
   const Picture gathered = render(room, radiosity).picture;
   EXPECT_LT(difference_of(gathered, truth), before) << "what 8192 patches show";
   EXPECT_NEAR(mean_of(gathered), mean_of(truth), 0.01 * mean_of(truth));
+}
+
+// The same room by links, of which more come closer.
+TEST_F(RadiosityTest, LinksFindTheLightOfPathTracing) {
+  RenderPlan path = plan_of(&kPath, 1024, 0), linked = plan_of(&kRadiosity, 256, 2048);
+  path.max_depth = 64;
+  path.filter = linked.filter = gpu::kFilterBox;
+  linked.form_factors = kFormFactorsLinks;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), path);
+  const Picture truth = render(room, path).picture;
+  double before = 0.15;
+  for (const std::uint32_t rays : {16u, 128u}) {
+    linked.patch_rays = rays;
+    const RenderResult result = render(room, linked);
+    const double difference = difference_of(result.picture, truth);
+    RecordProperty("difference_" + std::to_string(rays), std::to_string(difference));
+    EXPECT_LT(difference, 0.75 * before) << rays;
+    EXPECT_NEAR(mean_of(result.picture), mean_of(truth), 0.015 * mean_of(truth));
+    EXPECT_LE(result.radiosity->rays, 2048u * rays);
+    EXPECT_GT(result.radiosity->links, 2048u * rays / 16 / 2);
+    before = difference;
+  }
 }
 
 // Lamps without a surface, and a sky.
@@ -407,6 +556,18 @@ TEST_F(RadiosityTest, HowTheWorkIsCutUpDoesNotMatter) {
   EXPECT_TRUE(*render(room, generic).film == *expected.film) << "generic kernels";
 }
 
+TEST_F(RadiosityTest, HowTheWorkOfLinksIsCutUpDoesNotMatter) {
+  RenderPlan whole = plan_of(&kRadiosity, 2, 512);
+  whole.form_factors = kFormFactorsLinks;
+  const RadiositySubject room(load_gltf(kScenes + "cornell_box.gltf", {}), whole);
+  const RenderResult expected = render(room, whole);
+  RenderPlan cut = whole;
+  cut.wave_slots = 64;
+  EXPECT_TRUE(*render(room, cut).film == *expected.film);
+  cut.specialize = false;
+  EXPECT_TRUE(*render(room, cut).film == *expected.film) << "generic kernels";
+}
+
 // Another view of the same scene shows the solution that there is, with the bits of one made for it.
 TEST_F(RadiosityTest, KeepsItsSolutionForOtherViews) {
   RenderPlan settings = plan_of(&kRadiosity, 2, 512);
@@ -454,6 +615,14 @@ TEST_F(RadiosityTest, RefusesGlass) {
   Scene scene = two_squares({0, 1, 0}, {1, 0, 0}, {0, 0, 1});
   scene.materials[1].transmission = 1.0f;
   EXPECT_THROW(render(std::move(scene), plan_of(&kRadiosity, 1, 64)), Error);
+}
+
+TEST_F(RadiosityTest, RefusesToLinkManyTriangles) {
+  Scene scene = two_squares({0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  for (int i = 0; i < 512; ++i) add_square(scene, 1, {2 + i, 0, 0}, {0, 0, 1}, {1, 0, 0});
+  RenderPlan settings = plan_of(&kRadiosity, 1, 64);
+  settings.form_factors = kFormFactorsLinks;
+  EXPECT_THROW(render(std::move(scene), settings), Error);
 }
 
 } // namespace

@@ -11,14 +11,16 @@ namespace wavepath::gpu {
 // Texels R32UI: first a word for every instance (one in a scene without), which added to the index of a triangle gives
 // the place of its root; then the roots, which are nodes.
 GPU_CONSTANT uint kBindPatchRoots = 138u;
-GPU_CONSTANT uint kBindPatchNodes = 139u;    // texels R32UI: see kPatchLeaf
-GPU_CONSTANT uint kBindPatches = 140u;       // texels RGBA32UI, kPatchTexels each: Patch
+GPU_CONSTANT uint kBindPatchNodes = 139u; // texels R32UI: see kPatchLeaf
+GPU_CONSTANT uint kBindPatches = 140u;    // texels RGBA32UI, kPatchTexels each: Patch. With links also those of nodes
 GPU_CONSTANT uint kBindPatchSurfaces = 141u; // storage PatchSurface[]
 GPU_CONSTANT uint kBindPatchLight = 142u;    // storage vec4[], one a face: irradiance by lights that are no patches
-GPU_CONSTANT uint kBindShotBlocks = 143u;    // texels RGBA32UI: ShotBlock[]
-GPU_CONSTANT uint kBindShotHits = 144u;      // storage uint[]: face that each ray of a shot hit; kNone if none
-GPU_CONSTANT uint kBindCornerLight = 145u;   // texels RGBA32F, three a face: irradiance at its corners
-GPU_CONSTANT uint kBindSeenPoints = 146u;    // storage SeenPoint[], one a slot
+GPU_CONSTANT uint kBindShotBlocks = 143u;    // texels RGBA32UI: ShotBlock[] or LinkBlock[]
+// Storage uint[], one a ray. Of a shot: the face that it hit; kNone if none. Of a link: bits of a float, the light
+// along the ray up to a factor that the link's rays share; negative if something stops it.
+GPU_CONSTANT uint kBindShotHits = 144u;
+GPU_CONSTANT uint kBindCornerLight = 145u; // texels RGBA32F, three a face: irradiance at its corners
+GPU_CONSTANT uint kBindSeenPoints = 146u;  // storage SeenPoint[], one a slot
 
 // A node of the tree that a triangle is cut by: either kPatchLeaf | patch, or the first of four nodes. Of these, child
 // k < 3 keeps corner k, and the last is the triangle of the middles of the sides, each in the place of the corner
@@ -54,6 +56,15 @@ struct ShotBlock {
 };
 GPU_CHECK(sizeof(ShotBlock) == 16);
 GPU_CONSTANT uint kHemicube = 0x80000000u;
+
+// A link, whose kBlockRays rays lie side by side. The first word of a block without rays is kNone.
+struct LinkBlock {
+  uint a; // faces: 2 * place in kBindPatches + side
+  uint b;
+  uint number; // counts all links
+  uint unused;
+};
+GPU_CHECK(sizeof(LinkBlock) == 16);
 
 // Point at which a camera ray meets the mesh.
 struct SeenPoint {

@@ -41,6 +41,7 @@ layout(set = 0, binding = 27, std430) buffer WhittedFrames { WhittedFrame whitte
 layout(set = 0, binding = 50, std430) buffer PatchBlocks { Patch patches[]; };
 layout(set = 0, binding = 51, std430) buffer PatchSurfaces { PatchSurface patch_surfaces[]; };
 layout(set = 0, binding = 52, std430) buffer ShotBlocks { ShotBlock shot_blocks[]; };
+layout(set = 0, binding = 56, std430) buffer LinkBlocks { LinkBlock link_blocks[]; };
 layout(set = 0, binding = 53, std430) buffer SeenPoints { SeenPoint seen_points[]; };
 layout(set = 0, binding = 26, std430) buffer CounterBlocks { Counters counters[]; };
 layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
@@ -49,6 +50,7 @@ layout(set = 0, binding = 12, std430) buffer Aovs { PathAovs aovs[]; };
 layout(set = 0, binding = 13, std430) buffer FilmAovBlocks { FilmAovs film_aovs[]; };
 layout(set = 0, binding = 24, std140) uniform HybridBlock { HybridFrame hybrid; };
 layout(set = 0, binding = 25, std430) buffer Gbuffer { GbufferPixel gbuffer[]; };
+layout(set = 0, binding = 55, std430) buffer SharedColors { SharedColor shared_colors[]; };
 layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reprojections[]; };
 layout(set = 0, binding = 29, std430) buffer GuideRecords { GuideRecord guide_records[]; };
 layout(set = 0, binding = 30, std430) buffer GuideNodes { GuideNode guide_nodes[]; };

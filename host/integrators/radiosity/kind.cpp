@@ -67,7 +67,8 @@ constinit const IntegratorKind kRadiosity = {
     .slots_per_pixel = [](const RenderPlan&) { return 1u; },
     .bytes_per_pixel = [](const RenderPlan&) { return std::uint64_t{0}; },
     .items = [](const RenderPlan& settings, const ScenePlan& scene, gpu::Feature) -> std::vector<MemoryItem> {
-      return {{"patches", patch_bytes(settings.patches, scene.triangles_seen)}};
+      return {
+          {"patches", patch_bytes(settings.patches, scene.triangles_seen, settings.form_factors == kFormFactorsLinks)}};
     },
     .is_biased = [](const RenderPlan&) { return true; },
     .bias = bias,

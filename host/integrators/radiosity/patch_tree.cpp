@@ -121,10 +121,11 @@ PatchTree uniform_patches(const PackedScene& scene, std::uint32_t count) {
   return tree;
 }
 
-std::uint64_t patch_bytes(std::uint64_t patches, std::uint64_t triangles) {
+std::uint64_t patch_bytes(std::uint64_t patches, std::uint64_t triangles, bool links) {
   constexpr std::uint64_t kOfFace = 3 * sizeof(gpu::vec4) + sizeof(gpu::vec4);
   constexpr std::uint64_t kOfPatch = sizeof(gpu::Patch) + sizeof(gpu::PatchSurface) + 2 * kOfFace;
-  return std::max(patches, triangles) * (kOfPatch + 2 * sizeof(std::uint32_t)) + triangles * sizeof(std::uint32_t);
+  const std::uint64_t size = std::max(patches, triangles), nodes = links ? size + size / 3 : 0;
+  return size * (kOfPatch + 2 * sizeof(std::uint32_t)) + triangles * sizeof(std::uint32_t) + nodes * sizeof(gpu::Patch);
 }
 
 } // namespace wavepath

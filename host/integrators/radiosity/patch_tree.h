@@ -25,6 +25,8 @@ struct PatchTree {
 
 // Most triangles, those of all instances counted, that a mesh is made of.
 inline constexpr std::uint64_t kMostPatchTriangles = 1u << 20;
+// Most triangles of which all pairs are linked.
+inline constexpr std::uint64_t kMostLinkedTriangles = 1024;
 
 // Every triangle in 4^n patches, of which none is larger than an area that all share: the least area with which there
 // are at most `count` patches. More where the scene has more triangles.
@@ -38,6 +40,7 @@ bool split(PatchTree& tree, std::uint32_t patch);
 std::array<glm::dvec3, 3> corners_of(const PackedScene& scene, const gpu::Patch& patch);
 
 // The bytes of device memory of a mesh of so many patches, of which the scene has `triangles`, placed ones counted.
-std::uint64_t patch_bytes(std::uint64_t patches, std::uint64_t triangles);
+// `links`: nodes of trees are there as well.
+std::uint64_t patch_bytes(std::uint64_t patches, std::uint64_t triangles, bool links);
 
 } // namespace wavepath

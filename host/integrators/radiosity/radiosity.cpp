@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/integrators/radiosity/settings.h"
 #include "host/render/workspace/wave_queue.h"
 #include "host/scene/pack/features.h"
 #include "kernels/radiosity/radiosity_direct.spv.h"
@@ -15,6 +16,8 @@
 #include "kernels/radiosity/radiosity_interpolate.spv.h"
 #include "kernels/radiosity/radiosity_light.spv.h"
 #include "kernels/radiosity/radiosity_light_query.spv.h"
+#include "kernels/radiosity/radiosity_link.spv.h"
+#include "kernels/radiosity/radiosity_link_query.spv.h"
 #include "kernels/radiosity/radiosity_patch.spv.h"
 #include "kernels/radiosity/radiosity_see.spv.h"
 #include "kernels/radiosity/radiosity_see_query.spv.h"
@@ -28,12 +31,13 @@ const std::array<KernelCode, kRadiosityStageCount> kStages = {
     {{"radiosity patch", wavepath_radiosity_patch_spv},
      {"radiosity light", wavepath_radiosity_light_spv, {}, wavepath_radiosity_light_query_spv},
      {"radiosity shoot", wavepath_radiosity_shoot_spv, {}, wavepath_radiosity_shoot_query_spv},
+     {"radiosity link", wavepath_radiosity_link_spv, {}, wavepath_radiosity_link_query_spv},
      {"radiosity see", wavepath_radiosity_see_spv, {}, wavepath_radiosity_see_query_spv},
      {"radiosity interpolate", wavepath_radiosity_interpolate_spv},
      {"radiosity direct", wavepath_radiosity_direct_spv, {}, wavepath_radiosity_direct_query_spv},
      {"radiosity gather", wavepath_radiosity_gather_spv, {}, wavepath_radiosity_gather_query_spv}}};
 constexpr std::array<std::size_t, kRadiosityStageCount> kCompileOrder = {
-    kGatherOther, kGatherDirect, kPatchLight, kShoot, kSee, kPatchMeasure, kInterpolate};
+    kGatherOther, kGatherDirect, kPatchLight, kShoot, kLink, kSee, kPatchMeasure, kInterpolate};
 
 constexpr Binding kSeenPoints = {gpu::kBindSeenPoints, BindingKind::storage};
 
@@ -58,6 +62,8 @@ std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene
   if (settings.moving) return cannot("surfaces that move while the shutter is open (--shutter)");
   if (scene.triangle_count > kMostPatchTriangles)
     return cannot(fmt::format("more than {} triangles, each a patch at least", kMostPatchTriangles));
+  if (settings.form_factors == kFormFactorsLinks && scene.triangle_count > kMostLinkedTriangles)
+    return fmt::format("cannot link all pairs of more than {} triangles (--form-factors links)", kMostLinkedTriangles);
   return "";
 }
 
@@ -66,7 +72,7 @@ const KernelProgram kRadiosityProgram = {kStages, kCompileOrder, layout};
 KernelNeed radiosity_need(const KernelConfig& config, const RenderPlan& settings) {
   std::uint32_t stages = 1u << kPatchMeasure | 1u << kSee;
   if (Solver::is_looked_up(settings)) {
-    stages |= 1u << kShoot;
+    stages |= 1u << (settings.form_factors == kFormFactorsLinks ? kLink : kShoot);
     if (config.features & (gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment)) stages |= 1u << kPatchLight;
   }
   stages |= gathers(settings) ? 1u << kGatherDirect | 1u << kGatherOther : 1u << kInterpolate;

@@ -15,6 +15,15 @@ constexpr double kLeastAbsorbed = 1.0 / 64.0; // of light that the ambient term 
 
 } // namespace
 
+double absorbed_power(const std::vector<Face>& faces, const std::vector<glm::dvec3>& irradiance) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const glm::dvec3 power = faces[i].area * (1.0 - faces[i].reflectance) * irradiance[i];
+    sum += power.r + power.g + power.b;
+  }
+  return sum;
+}
+
 Refinement::Refinement(std::vector<Face> faces, double rays, bool reflects)
     : faces_(std::move(faces)), reflects_(reflects) {
   first_power_ = unshot_power();
@@ -62,12 +71,7 @@ void Refinement::receive(std::uint32_t index, const glm::dvec3& power) {
 }
 
 double Refinement::absorbed(const std::vector<glm::dvec3>& irradiance) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const glm::dvec3 power = faces_[i].area * (1.0 - faces_[i].reflectance) * irradiance[i];
-    sum += power.r + power.g + power.b;
-  }
-  return first_power_ > 0.0 ? sum / first_power_ : 0.0;
+  return first_power_ > 0.0 ? absorbed_power(faces_, irradiance) / first_power_ : 0.0;
 }
 
 // Only faces that light has reached take part: the backs of walls never do.

@@ -18,6 +18,9 @@ struct Face {
   double unshot_power() const { return area * (unshot.r + unshot.g + unshot.b); }
 };
 
+// Power that faces absorb of that irradiance, all channels.
+double absorbed_power(const std::vector<Face>& faces, const std::vector<glm::dvec3>& irradiance);
+
 struct Shot {
   std::uint32_t face = 0, rays = 0, number = 0;
   glm::dvec3 power{0.0};

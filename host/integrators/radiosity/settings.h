@@ -10,8 +10,8 @@
 
 namespace wavepath {
 
-inline constexpr std::array<std::string_view, 2> kFormFactorNames = {"rays", "hemicube"};
-inline constexpr std::uint32_t kFormFactorsHemicube = 1;
+inline constexpr std::array<std::string_view, 3> kFormFactorNames = {"rays", "hemicube", "links"};
+inline constexpr std::uint32_t kFormFactorsHemicube = 1, kFormFactorsLinks = 2;
 inline constexpr std::array<std::string_view, 2> kSubdivisionNames = {"uniform", "adaptive"};
 inline constexpr std::uint32_t kSubdivisionAdaptive = 1;
 

@@ -1,6 +1,7 @@
 #include "host/integrators/radiosity/solver.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -66,7 +67,9 @@ void Solver::upload(const PatchTree& tree) {
   const std::uint64_t faces = 2 * std::uint64_t{tree.size()}, rays = rays_at_once(workspace_);
   roots_ = wavepath::upload(device, tree.roots);
   nodes_ = wavepath::upload(device, tree.nodes);
-  patches_ = wavepath::upload(device, tree.patches);
+  std::vector<gpu::Patch> patches = tree.patches;
+  for (const LinkNode& node : work_->nodes) patches.push_back(node.part);
+  patches_ = wavepath::upload(device, patches);
   surfaces_ = Buffer(device, tree.size() * sizeof(gpu::PatchSurface));
   lamp_light_ = Buffer(device, faces * sizeof(gpu::vec4));
   corners_ = Buffer(device, faces * 3 * sizeof(gpu::vec4));
@@ -184,6 +187,35 @@ void Solver::trace(const std::vector<Shot>& shots, const KernelSet& kernels, Wav
   flush();
 }
 
+// The next links, in blocks as well. Returns false when there are none left.
+bool Solver::trace_links(const KernelSet& kernels, WaveQueue& queue) {
+  Links& links = *work_->links;
+  const std::span<const Link> next = links.next(rays_at_once(workspace_) / gpu::kBlockRays);
+  if (next.empty()) return false;
+  const std::uint32_t first_face = 2 * work_->tree.size(); // of nodes, behind those of patches
+  auto number = static_cast<std::uint32_t>(links.measured());
+  std::vector<gpu::LinkBlock> blocks;
+  for (const Link& link : next) blocks.push_back({first_face + link.a, first_face + link.b, number++, 0});
+  blocks_.write(blocks.data(), blocks.size() * sizeof(gpu::LinkBlock));
+  submit(kernels[kLink], {.pixel_count = static_cast<std::uint32_t>(blocks.size()) * gpu::kBlockRays}, queue);
+  queue.drain();
+  std::vector<std::uint32_t> copy;
+  std::span<const std::uint32_t> light = look_at(hits_, blocks.size() * gpu::kBlockRays, copy);
+  std::vector<float> visible;
+  for (std::size_t i = 0; i < next.size(); ++i, light = light.subspan(gpu::kBlockRays)) {
+    double all = 0.0, arrives = 0.0;
+    for (const std::uint32_t bits : light.first(gpu::kBlockRays)) {
+      const float along_ray = std::bit_cast<float>(bits);
+      all += std::abs(along_ray);
+      arrives += std::max(along_ray, 0.0f);
+    }
+    visible.push_back(all > 0.0 ? static_cast<float>(arrives / all) : 1.0f); // no ray found both in front of each other
+  }
+  report_.rays += blocks.size() * gpu::kBlockRays;
+  links.measure(visible);
+  return true;
+}
+
 void Solver::begin(const RenderPlan& settings) {
   settings_ = settings;
   report_ = {};
@@ -197,44 +229,55 @@ std::vector<Shot> Solver::next_shots() {
   return work_->refinement->next_shots(rays_at_once(workspace_));
 }
 
+void Solver::begin_light() {
+  const std::uint64_t rays = std::uint64_t{settings_.patch_rays} * work_->tree.size();
+  if (settings_.form_factors == kFormFactorsLinks)
+    work_->links.emplace(std::move(work_->nodes), make_faces(), rays / gpu::kBlockRays, reflects());
+  else
+    work_->refinement.emplace(make_faces(), static_cast<double>(rays), reflects());
+}
+
 bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) {
   const Clock::time_point start = Clock::now();
   bool is_solved = false;
   if (!work_->is_uploaded) {
     work_->mesh = make_mesh(workspace_.scene, work_->tree);
+    if (settings_.form_factors == kFormFactorsLinks) work_->nodes = make_link_nodes(workspace_.scene, work_->tree);
     upload(work_->tree);
     set_ = &bind();
     measure_surfaces(kernels, queue);
     work_->is_uploaded = true;
-  } else if (!work_->refinement) {
-    const double rays = 1.0 * settings_.patch_rays * work_->tree.size();
-    if (measure_light(kernels, queue)) work_->refinement.emplace(make_faces(), rays, reflects());
+  } else if (!work_->refinement && !work_->links) {
+    if (measure_light(kernels, queue)) begin_light();
+  } else if (work_->links) {
+    if (!is_looked_up(settings_) || !trace_links(kernels, queue)) is_solved = finish_mesh(*work_->links);
   } else if (const auto shots = next_shots(); !shots.empty()) {
     trace(shots, kernels, queue);
   } else {
-    is_solved = finish_mesh();
+    is_solved = finish_mesh(*work_->refinement);
   }
   report_.seconds += seconds_since(start);
   return is_solved;
 }
 
 // Leaves the light at the corners, or makes the tree of the final mesh of that on the coarse one.
-bool Solver::finish_mesh() {
-  const Refinement& refinement = *work_->refinement;
-  std::vector<glm::dvec3> light = refinement.irradiance();
-  report_.absorbed = refinement.absorbed(light);
+template <class Solution>
+bool Solver::finish_mesh(const Solution& solution) {
+  std::vector<glm::dvec3> light = solution.irradiance();
+  report_.absorbed = solution.absorbed(light);
   for (std::size_t i = 0; i < light.size(); ++i) light[i] += by_lamps_[i];
   const std::vector<glm::vec4> corners = light_at_corners(work_->mesh, light);
   if (work_->is_coarse) {
-    refine(work_->tree, work_->mesh, refinement.faces(), corners, settings_.patches);
+    refine(work_->tree, work_->mesh, solution.faces(), corners, settings_.patches);
     *work_ = Mesh{.tree = std::move(work_->tree)};
     return false;
   }
   corners_.write(corners.data(), corners.size() * sizeof(glm::vec4));
   report_.patches = work_->tree.size();
-  report_.shots = refinement.shots();
-  report_.remaining = refinement.remaining();
-  report_.lost = refinement.lost();
+  report_.shots = solution.shots();
+  report_.links = work_->links ? work_->links->count() : 0;
+  report_.remaining = solution.remaining();
+  report_.lost = solution.lost();
   report_.bytes = bytes();
   work_.reset();
   return true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
+#include "host/integrators/radiosity/links.h"
 #include "host/integrators/radiosity/patch_mesh.h"
 #include "host/integrators/radiosity/patch_tree.h"
 #include "host/integrators/radiosity/refinement.h"
@@ -25,6 +26,7 @@ enum RadiosityStage : std::size_t {
   kPatchMeasure,
   kPatchLight,
   kShoot,
+  kLink,
   kSee,
   kInterpolate,
   kGatherDirect,
@@ -59,9 +61,11 @@ private:
   struct Mesh { // in work
     PatchTree tree;
     PatchMesh mesh;
+    std::vector<LinkNode> nodes;                  // with --form-factors links, until these are made
     bool is_uploaded = false;                     // and its surfaces are measured
     std::uint32_t lit_faces = 0, lit_samples = 0; // by lamps: whole faces, and samples of the next ones
     std::optional<Refinement> refinement;         // once the light of lamps is measured
+    std::optional<Links> links;                   // in its place, with --form-factors links
     bool is_coarse = false;                       // another one follows
   };
 
@@ -73,7 +77,10 @@ private:
   std::vector<Face> make_faces();
   void trace(const std::vector<Shot>& shots, const KernelSet& kernels, WaveQueue& queue);
   std::vector<Shot> next_shots();
-  bool finish_mesh();
+  void begin_light();
+  bool trace_links(const KernelSet& kernels, WaveQueue& queue);
+  template <class Solution>
+  bool finish_mesh(const Solution& solution);
 
   Workspace& workspace_;
   Buffer roots_, nodes_, patches_, surfaces_, lamp_light_, blocks_, hits_, corners_;

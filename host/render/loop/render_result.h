@@ -104,8 +104,8 @@ struct DenoiseReport {
 
 // The light of patches, which serves all views of a scene (--integrator radiosity).
 struct RadiosityReport {
-  std::uint32_t patches = 0, shots = 0;
-  std::uint64_t rays = 0; // of all shots, on a coarse mesh too
+  std::uint32_t patches = 0, shots = 0, links = 0;
+  std::uint64_t rays = 0; // of all shots or links, on a coarse mesh too
   double remaining = 0.0; // share of the power that an ambient term stands for
   double absorbed = 0.0;  // share of the power that patches absorb, by the light that cameras see
   double lost = 0.0;      // share of the power that left the scene

@@ -117,10 +117,10 @@ Json json(const Setting& row, const RenderPlan& settings) {
 
 Json radiosity_json(const std::optional<RadiosityReport>& radiosity) {
   if (!radiosity) return nullptr;
-  return {{"patches", radiosity->patches},   {"shots", radiosity->shots},         {"rays", radiosity->rays},
-          {"absorbed", radiosity->absorbed}, // of the light of all lamps
-          {"lost", radiosity->lost},         {"remaining", radiosity->remaining}, {"seconds", radiosity->seconds},
-          {"kept", radiosity->kept},         {"bytes", radiosity->bytes}};
+  return {{"patches", radiosity->patches}, {"shots", radiosity->shots},         {"links", radiosity->links},
+          {"rays", radiosity->rays},       {"absorbed", radiosity->absorbed}, // of the light of all lamps
+          {"lost", radiosity->lost},       {"remaining", radiosity->remaining}, {"seconds", radiosity->seconds},
+          {"kept", radiosity->kept},       {"bytes", radiosity->bytes}};
 }
 
 Json merge_json(const std::optional<MergeReport>& merging) {
