@@ -71,16 +71,7 @@ const std::array<KernelCode, kStageCount> kStages = {
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kAddUpscaled,
                                                                 kGather,    kShare,   kVelocity,  kJitter};
 
-enum OwnBuffer : std::size_t {
-  kFrame,
-  kGbuffer,
-  kSignals,
-  kJitters,
-  kLayers,
-  kReflected,
-  kVelocities,
-  kPixelParts
-};
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kReflected, kVelocities, kPixelParts };
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
                         kCapacityForReflections = 1u << 2, kCapacityForVelocities = 1u << 3,
