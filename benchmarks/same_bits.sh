@@ -76,7 +76,7 @@ hybrid                  | render scenes/cornell_box.gltf --integrator hybrid --m
 hybrid, reflections     | render scenes/showcase.glb --integrator hybrid --reflections traced -o @traced.exr ; render scenes/showcase.glb --integrator hybrid --reflections planar -o @planar.exr ; render scenes/showcase.glb --integrator hybrid --reflections ssr -o @ssr.exr ; render scenes/showcase.glb --integrator hybrid --reflections probe --shadows map -o @probe.exr
 hybrid, bounce          | render scenes/cornell_box.gltf --integrator hybrid --bounce traced -o @traced.exr ; render scenes/cornell_box.gltf --integrator hybrid --bounce cones
 hybrid, lens            | render scenes/showcase.glb --integrator hybrid --aperture 0.1
-radiosity               | render scenes/cornell_box.gltf --integrator radiosity --patches 1024 ; render scenes/cornell_box.gltf --integrator radiosity --patches 1024 --gather -o @gathered.exr
+radiosity               | render scenes/cornell_box.gltf --integrator radiosity --patches 1024 ; render scenes/cornell_box.gltf --integrator radiosity --patches 1024 --gather -o @gathered.exr ; render scenes/cornell_box.gltf --integrator radiosity --patches 1024 --form-factors links --subdivision adaptive -o @linked.exr
 velocity                | render scenes/showcase.glb --velocity 0,0,-0.5 --aov $aovs
 hybrid, all AOVs        | render scenes/showcase.glb --integrator hybrid --aov $aovs,ao
 hybrid, generic kernels | render scenes/showcase.glb --integrator hybrid --specialize off --aov $aovs,ao

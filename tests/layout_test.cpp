@@ -252,8 +252,6 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, film_height)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
-  compare("SharedColor", sizeof(SharedColor),
-          {AT(SharedColor, seen), AT(SharedColor, signals), AT(SharedColor, triangle), AT(SharedColor, unused)});
 }
 
 TEST(Layout, Reflections) {

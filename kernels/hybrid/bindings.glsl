@@ -34,7 +34,9 @@ layout(set = 0, binding = kBindVelocities, std430) writeonly buffer VelocityBloc
 #endif
 
 #ifdef BIND_SHARED_COLORS
-layout(set = 0, binding = kBindSharedColors, std430) buffer SharedColorBlock { SharedColor shared_colors[]; };
+layout(set = 0, binding = kBindColorIds, std430) buffer ColorIdBlock { uvec2 color_ids[]; };
+layout(set = 0, binding = kBindColorSeen, std430) buffer ColorSeenBlock { vec4 color_seen[]; };
+layout(set = 0, binding = kBindColorSignals, std430) buffer ColorSignalBlock { vec4 color_signals[]; };
 #endif
 
 #ifdef BIND_FRACTIONS

@@ -20,14 +20,18 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
                                      // of what is opaque, fraction of light they let pass
 GPU_CONSTANT uint kBindReflections = 131u; // storage vec4[] (kHybridReflections): what mirrors show of lit surfaces
-GPU_CONSTANT uint kBindVelocities = 155u;  // storage vec2[]: pixels that a surface passes while the shutter is open
+// Storage vec2[]: pixels that a surface passes while the shutter is open. No frame has reflections as well, so both
+// take one binding: devices have few storage buffers a stage.
+GPU_CONSTANT uint kBindVelocities = kBindReflections;
 // Several frames see a pixel at one position each and share shading (kHybridMultisample): that of up to kSharedColors
-// triangles. Storage SharedColor[], one picture a triangle.
-GPU_CONSTANT uint kBindSharedColors = 82u;
+// triangles. One picture a triangle: its name as in kBindVisibility, and kBindSeen and kBindSignals of the frame that
+// shaded it.
+GPU_CONSTANT uint kBindColorIds = 82u;     // storage uvec2[]
+GPU_CONSTANT uint kBindColorSeen = 83u;    // storage vec4[]
+GPU_CONSTANT uint kBindColorSignals = 84u; // storage vec4[]
 // Consecutive frames see parts of each pixel (kHybridFractions), one picture for each of kFractions. Storage float[]:
-// the fraction of the pixel that the part is. No frame has shared colours as well, so both take one binding: devices
-// have few storage buffers a stage.
-GPU_CONSTANT uint kBindFractions = kBindSharedColors;
+// the fraction of the pixel that the part is. No frame has shared colours as well.
+GPU_CONSTANT uint kBindFractions = kBindColorIds;
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same position of its filter, so that the frame can be
@@ -59,7 +63,7 @@ GPU_CONSTANT uint kHybridToColor = 1u << 2;     // composite leaves the frame in
 GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // composite reads the frame from `seen`
 GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
-GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindSharedColors
+GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindColorIds
 GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
 GPU_CONSTANT uint kHybridReflections = 1u << 8; // mirrors show lit surfaces, see kBindReflections
 GPU_CONSTANT uint kHybridFractions = 1u << 9;   // frames see parts of pixels, see kBindFractions
@@ -75,15 +79,6 @@ struct GbufferPixel {
   uint surface; // same value = same placed mesh and material: what a filter may mix
 };
 GPU_CHECK(sizeof(GbufferPixel) == 32);
-
-// Shading that frames share.
-struct SharedColor {
-  vec4 seen;      // kBindSeen of the frame that shaded it
-  vec4 signals;   // kBindSignals of that frame
-  uvec2 triangle; // as in kBindVisibility
-  uvec2 unused;
-};
-GPU_CHECK(sizeof(SharedColor) == 48);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -83,7 +83,7 @@ void main() {
   float diffuse;
   gbuffer[pixel_index] = gbuffer_of(hit, pixel_index, origin, direction, diffuse);
   if (wants_lights()) seen[pixel_index] = vec4(vec3(0.0), diffuse);
-  bool shades = multisamples() ? choose_color(pixel_index).shades : seen_fraction(pixel_index) > 0.0;
+  bool shades = multisamples() ? shared_color(pixel_index).shades : seen_fraction(pixel_index) > 0.0;
   if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp, or not seen
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;

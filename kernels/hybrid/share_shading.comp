@@ -18,17 +18,16 @@ layout(local_size_x = kWorkgroupSize) in;
 void main() {
   if (gl_GlobalInvocationID.x >= wave.pixel_count) return;
   uint pixel_index = wave.first_pixel + gl_GlobalInvocationID.x;
-  ColorChoice choice = choose_color(pixel_index);
-  uint kept = color_index(choice.color, pixel_index);
-  if (!choice.shades) {
-    signals[pixel_index] = shared_colors[kept].signals;
-    if (wants_lights()) seen[pixel_index] = shared_colors[kept].seen;
+  SharedColor shared_ = shared_color(pixel_index);
+  uint kept = color_index(shared_.color, pixel_index);
+  if (!shared_.shades) {
+    signals[pixel_index] = color_signals[kept];
+    if (wants_lights()) seen[pixel_index] = color_seen[kept];
     return;
   }
   if (hybrid.sample_position == hybrid.first_position)
-    for (uint color = 1u; color < kSharedColors; ++color)
-      shared_colors[color_index(color, pixel_index)].triangle = kNoColor;
-  shared_colors[kept].triangle = texelFetch(visibility, int(pixel_index)).xy;
-  shared_colors[kept].signals = signals[pixel_index];
-  if (wants_lights()) shared_colors[kept].seen = seen[pixel_index]; // otherwise nothing has a place in `seen`
+    for (uint color = 1u; color < kSharedColors; ++color) color_ids[color_index(color, pixel_index)] = kNoColor;
+  color_ids[kept] = texelFetch(visibility, int(pixel_index)).xy;
+  color_signals[kept] = signals[pixel_index];
+  if (wants_lights()) color_seen[kept] = seen[pixel_index]; // otherwise nothing has a place in `seen`
 }

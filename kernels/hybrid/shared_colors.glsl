@@ -9,20 +9,20 @@ bool multisamples() { return (hybrid.flags & kHybridMultisample) != 0u; }
 
 uint color_index(uint color, uint pixel_index) { return color * frame.width * frame.height + pixel_index; }
 
-struct ColorChoice {
+struct SharedColor {
   uint color;  // the one that the pixel shows in this frame
   bool shades; // this frame is the first with it
 };
 
 // A triangle for which no colour is left takes the last one (Young 2006: coverage without a colour of its own).
-ColorChoice choose_color(uint pixel_index) {
-  if (hybrid.sample_position == hybrid.first_position) return ColorChoice(0u, true);
+SharedColor shared_color(uint pixel_index) {
+  if (hybrid.sample_position == hybrid.first_position) return SharedColor(0u, true);
   uvec2 visible = texelFetch(visibility, int(pixel_index)).xy;
   for (uint color = 0u; color < kSharedColors; ++color) {
-    uvec2 id = shared_colors[color_index(color, pixel_index)].triangle;
-    if (id == visible || id == kNoColor) return ColorChoice(color, id != visible);
+    uvec2 id = color_ids[color_index(color, pixel_index)];
+    if (id == visible || id == kNoColor) return SharedColor(color, id != visible);
   }
-  return ColorChoice(kSharedColors - 1u, false);
+  return SharedColor(kSharedColors - 1u, false);
 }
 
 #endif

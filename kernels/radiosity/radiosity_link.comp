@@ -24,8 +24,8 @@ layout(set = 0, binding = kBindShotHits, std430) writeonly buffer LinkLightBlock
 layout(local_size_x = kWorkgroupSize) in;
 
 // A point of a face, and the normal on its side.
-Surface point_of_face(uint face, uint dimension, out vec3 n) {
-  Surface surface = fetch_surface(point_of_patch(face / 2u, sample_2d(path_sampler, dimension)));
+Surface point_of_face(Hit at, uint face, out vec3 n) {
+  Surface surface = fetch_surface(at);
   n = (face & 1u) != 0u ? -surface.geometric_normal : surface.geometric_normal;
   return surface;
 }
@@ -36,10 +36,11 @@ void main() {
   uvec4 words = texelFetch(link_blocks, int(index / kBlockRays));
   LinkBlock link = LinkBlock(words.x, words.y, words.z, words.w);
   link_light[index] = 0u;
-  if (link.a == kNone) return;
   path_sampler = make_replicate_sampler(frame.seed, link.number, 3u, index % kBlockRays, kBlockRays);
+  Hit from = point_of_patch(link.a / 2u, sample_2d(path_sampler, 0u));
+  Hit to = point_of_patch(link.b / 2u, sample_2d(path_sampler, 1u));
   vec3 n_a, n_b;
-  Surface a = point_of_face(link.a, 0u, n_a), b = point_of_face(link.b, 1u, n_b);
+  Surface a = point_of_face(from, link.a, n_a), b = point_of_face(to, link.b, n_b);
   vec3 apart = b.position - a.position;
   float cosine_a = dot(n_a, apart), cosine_b = -dot(n_b, apart), distance2 = dot(apart, apart);
   if (!(cosine_a > 0.0) || !(cosine_b > 0.0)) return;
@@ -47,6 +48,7 @@ void main() {
   vec3 origin = offset_ray_origin(a.position, a.position_error, a.geometric_normal, n_a);
   vec3 target = offset_ray_origin(b.position, b.position_error, b.geometric_normal, n_b);
   COUNT(counters.shadow_rays, 1u)
-  bool is_stopped = trace(origin, target - origin, 1.0, kNone, 0u).triangle != kNone;
+  uint id = floatBitsToUint(texelFetch(triangles, int(to.triangle * kTriangleTexels + 1u)).w);
+  bool is_stopped = trace(origin, target - origin, 1.0, id, to.instance).triangle != kNone; // by another triangle
   link_light[index] = floatBitsToUint(is_stopped ? -light : light);
 }

@@ -57,7 +57,7 @@ struct ShotBlock {
 GPU_CHECK(sizeof(ShotBlock) == 16);
 GPU_CONSTANT uint kHemicube = 0x80000000u;
 
-// A link, whose kBlockRays rays lie side by side. The first word of a block without rays is kNone.
+// A link, whose kBlockRays rays lie side by side.
 struct LinkBlock {
   uint a; // faces: 2 * place in kBindPatches + side
   uint b;

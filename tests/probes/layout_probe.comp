@@ -50,7 +50,6 @@ layout(set = 0, binding = 12, std430) buffer Aovs { PathAovs aovs[]; };
 layout(set = 0, binding = 13, std430) buffer FilmAovBlocks { FilmAovs film_aovs[]; };
 layout(set = 0, binding = 24, std140) uniform HybridBlock { HybridFrame hybrid; };
 layout(set = 0, binding = 25, std430) buffer Gbuffer { GbufferPixel gbuffer[]; };
-layout(set = 0, binding = 55, std430) buffer SharedColors { SharedColor shared_colors[]; };
 layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reprojections[]; };
 layout(set = 0, binding = 29, std430) buffer GuideRecords { GuideRecord guide_records[]; };
 layout(set = 0, binding = 30, std430) buffer GuideNodes { GuideNode guide_nodes[]; };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -71,11 +72,25 @@ const std::array<KernelCode, kStageCount> kStages = {
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kAddUpscaled,
                                                                 kGather,    kShare,   kVelocity,  kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kReflected, kVelocities, kPixelParts };
+enum OwnBuffer : std::size_t {
+  kFrame,
+  kGbuffer,
+  kSignals,
+  kJitters,
+  kLayers,
+  kColorIdsOrFractions,
+  kColorSeen,
+  kColorSignals,
+  kReflectedOrVelocities
+};
 constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kCapacityForLayers = 1u << 0, kCapacityForSharedColors = 1u << 1,
                         kCapacityForReflections = 1u << 2, kCapacityForVelocities = 1u << 3,
-                        kCapacityForFractions = 1u << 4; // bits of BufferDimensions::options
+                        kCapacityForParts = 1u << 4; // bits of BufferDimensions::options
+
+std::uint64_t shared_colors(const BufferDimensions& e) {
+  return e.options & kCapacityForSharedColors ? e.pixels * gpu::kSharedColors : 0;
+}
 
 // Indexed by OwnBuffer. Data of pixels are row-major from the top left.
 const std::vector<BufferRule> kHybridRules = {
@@ -94,18 +109,24 @@ const std::vector<BufferRule> kHybridRules = {
     {"layers",
      [](const BufferDimensions& e) { return e.options & kCapacityForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
-    {"reflections",
-     [](const BufferDimensions& e) { return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0; },
-     {{gpu::kBindReflections, BindingKind::storage}}},
-    {"velocities",
-     [](const BufferDimensions& e) { return e.options & kCapacityForVelocities ? e.pixels * sizeof(gpu::vec2) : 0; },
-     {{gpu::kBindVelocities, BindingKind::storage}}},
-    {"shared colours, or fractions of pixels",
+    {"triangles of shared colours, or fractions of pixels",
      [](const BufferDimensions& e) {
-       if (e.options & kCapacityForSharedColors) return e.pixels * gpu::kSharedColors * sizeof(gpu::SharedColor);
-       return e.options & kCapacityForFractions ? e.pixels * gpu::kFractions * sizeof(float) : 0;
+       return e.options & kCapacityForParts ? e.pixels * gpu::kFractions * sizeof(float)
+                                            : shared_colors(e) * sizeof(glm::uvec2);
      },
-     {{gpu::kBindSharedColors, BindingKind::storage}}},
+     {{gpu::kBindColorIds, BindingKind::storage}}},
+    {"emission of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSeen, BindingKind::storage}}},
+    {"signals of shared colours",
+     [](const BufferDimensions& e) { return shared_colors(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindColorSignals, BindingKind::storage}}},
+    {"reflections, or velocities",
+     [](const BufferDimensions& e) {
+       if (e.options & kCapacityForVelocities) return e.pixels * sizeof(gpu::vec2);
+       return e.options & kCapacityForReflections ? e.pixels * sizeof(gpu::vec4) : 0;
+     },
+     {{gpu::kBindReflections, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -309,12 +330,13 @@ void Hybrid::allocate(const View& view, TemporalHistory history) {
   RenderPlan of_film = settings_; // it fits the film, and `seen` for every pixel of that
   of_film.width = shown_size_.x, of_film.height = shown_size_.y;
   bool moved = paths_.change(of_film, path_stages, options, kernels_.features(kHybridProgram));
+  assert(!(reflects() && blurs_motion(settings_)) && !(multisamples() && sees_parts())); // they share buffers
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit(
       {.pixels = workspace_.film.pixels(),
        .options = (layers ? kCapacityForLayers : 0) | (multisamples() ? kCapacityForSharedColors : 0) |
                   (reflects() ? kCapacityForReflections : 0) | (blurs_motion(settings_) ? kCapacityForVelocities : 0) |
-                  (sees_parts() ? kCapacityForFractions : 0)});
+                  (sees_parts() ? kCapacityForParts : 0)});
   // Glass is passed through like what has alpha.
   const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
@@ -347,7 +369,7 @@ void Hybrid::remake_beams() {
   if (!sees_parts()) return beams_.reset();
   const std::uint32_t shape = *kAntialiasTechniques.find(settings_)->beam;
   beams_.keep(shape, [&] { return std::make_unique<Beams>(workspace_, kernels_, shape); });
-  beams_->change(need_.config, buffers_[kFrame], buffers_[kPixelParts], visibility_->ids());
+  beams_->change(need_.config, buffers_[kFrame], buffers_[kColorIdsOrFractions], visibility_->ids());
 }
 
 void Hybrid::remake_occlusion() {
@@ -379,7 +401,7 @@ void Hybrid::remake_reflections(const View& view, const std::vector<Binding>& ow
                                {gpu::kBindVisibility, texels_rg32ui, &visibility_->ids()},
                                {gpu::kBindGbuffer, storage, &buffers_[kGbuffer]},
                                {gpu::kBindSignals, storage, &buffers_[kSignals]},
-                               {gpu::kBindReflections, storage, &buffers_[kReflected]}});
+                               {gpu::kBindReflections, storage, &buffers_[kReflectedOrVelocities]}});
   reflections_->change(view, settings_, paths_.config(), shared);
 }
 
@@ -454,7 +476,8 @@ Hybrid::Filters Hybrid::make_filters() {
                                                  gbuffer, seen);
   if (has_lens(settings_)) filters.defocus = std::make_unique<Defocus>(device, width, height, gbuffer, seen);
   if (blurs_motion(settings_))
-    filters.motion_blur = std::make_unique<MotionBlur>(device, width, height, gbuffer, buffers_[kVelocities], seen);
+    filters.motion_blur =
+        std::make_unique<MotionBlur>(device, width, height, gbuffer, buffers_[kReflectedOrVelocities], seen);
   if (joins_frames(settings_))
     filters.taa = std::make_unique<Taa>(device, shown_size_.x, shown_size_.y, gbuffer, seen,
                                         kAntialiasTechniques.find(settings_)->joining());

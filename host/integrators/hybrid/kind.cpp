@@ -145,7 +145,7 @@ std::uint64_t layer_bytes(const RenderPlan& settings) {
 std::uint64_t shared_color_bytes(const RenderPlan& settings) {
   const AntialiasKind& kind = *kAntialiasTechniques.find(settings);
   if (kind.beam) return gpu::kFractions * (sizeof(glm::uvec2) + sizeof(float));
-  return kind.positions > 0 ? gpu::kSharedColors * sizeof(gpu::SharedColor) : 0;
+  return kind.positions > 0 ? gpu::kSharedColors * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4)) : 0;
 }
 
 std::uint64_t reflection_bytes(const RenderPlan& settings) {

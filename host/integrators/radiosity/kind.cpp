@@ -35,9 +35,15 @@ std::vector<std::string> bias(const RenderPlan& settings, const RenderResult& re
   bias.push_back(fmt::format("light is {} {} patches (--patches)",
                              settings.gather ? "gathered from the corners of" : "interpolated between the corners of",
                              result.radiosity->patches));
-  if (result.radiosity->remaining > 0.0)
+  if (settings.form_factors == kFormFactorsLinks) {
+    bias.emplace_back("form factors are inexact where parts of surfaces see each other in part (--form-factors links)");
+    if (result.radiosity->remaining > 1e-4)
+      bias.push_back(
+          fmt::format("the last {:.2g} % of the light was not followed", 100.0 * result.radiosity->remaining));
+  } else if (result.radiosity->remaining > 0.0) {
     bias.push_back(fmt::format("an ambient term stands for the last {:.2g} % of the light that patches would send on",
                                100.0 * result.radiosity->remaining));
+  }
   return bias;
 }
 

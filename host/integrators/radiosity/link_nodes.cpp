@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "host/integrators/radiosity/point_form_factor.h"
 #include "host/scene/pack/hit_surface.h"
@@ -11,9 +12,8 @@
 namespace wavepath {
 namespace {
 
-// Distance from a plane, in sides of a square of the node's area, from which on a point is in front of it. Corners of
-// neighbours differ by the rounding of floats.
-constexpr double kInFront = 1e-5;
+// Rounding of a coordinate that went through a transform in float, relative to the largest one of its triangle.
+constexpr double kRounding = 4e-7;
 
 // Points and weights with which polynomials up to degree 4 are integrated over a triangle (Dunavant, "High Degree
 // Efficient Symmetrical Gaussian Quadrature Rules for the Triangle", 1985).
@@ -35,26 +35,40 @@ glm::dvec3 point_of(const LinkNode& node, const QuadraturePoint& q) {
   return q.others * (p[0] + p[1] + p[2]) + (1.0 - 3.0 * q.others) * p[q.corner];
 }
 
-struct Side {
+// A face of a node. Neighbours in one plane differ by the rounding of their corners, and do not see each other.
+struct FacingNode {
   const LinkNode& node;
   glm::dvec3 normal;
+  double rounding = 0.0; // metres
 
-  bool is_behind(const glm::dvec3& p) const {
-    return glm::dot(normal, p - node.corners[0]) <= kInFront * std::sqrt(node.area);
+  FacingNode(const std::vector<LinkNode>& nodes, std::uint32_t face)
+      : node(nodes[face / 2]), normal(face & 1u ? -node.normal : node.normal) {
+    for (const glm::dvec3& p : node.corners)
+      rounding = std::max(rounding, kRounding * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
   }
-  bool faces(const LinkNode& other) const {
-    return std::ranges::any_of(other.corners, [&](const glm::dvec3& p) { return !is_behind(p); });
+
+  bool is_behind(const glm::dvec3& p, double other_rounding) const {
+    return glm::dot(normal, p - node.corners[0]) <= rounding + other_rounding;
+  }
+  bool faces(const FacingNode& other) const {
+    return std::ranges::any_of(other.node.corners, [&](const auto& p) { return !is_behind(p, other.rounding); });
   }
 };
 
 // Form factors to `to` of the quadrature points of `from`.
-std::array<double, 6> factors(const Side& from, const Side& to) {
+std::array<double, 6> factors(const FacingNode& from, const FacingNode& to) {
   std::array<double, 6> result{};
   for (std::size_t i = 0; i < result.size(); ++i) {
     const glm::dvec3 x = point_of(from.node, kQuadrature[i]);
-    if (!to.is_behind(x)) result[i] = point_form_factor(x, from.normal, to.node.corners);
+    if (!to.is_behind(x, from.rounding)) result[i] = point_form_factor(x, from.normal, to.node.corners);
   }
   return result;
+}
+
+double mean_of(const std::array<double, 6>& values) {
+  double mean = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) mean += kQuadrature[i].weight * values[i];
+  return mean;
 }
 
 double furthest_from(double mean, const std::array<double, 6>& values) {
@@ -65,16 +79,15 @@ double furthest_from(double mean, const std::array<double, 6>& values) {
 
 } // namespace
 
-std::vector<LinkNode> make_link_nodes(const PackedScene& scene, const PatchTree& tree) {
+std::vector<LinkNode> make_link_nodes(const PackedScene& scene, const PatchTree& tree, bool culls_backs) {
   std::vector<LinkNode> nodes(tree.nodes.size());
-  std::vector<std::uint8_t> is_child(nodes.size(), 0);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (tree.nodes[i] & gpu::kPatchLeaf) {
       nodes[i].patch = tree.nodes[i] & ~gpu::kPatchLeaf;
       nodes[i].part = tree.patches[nodes[i].patch];
     } else {
       nodes[i].first_child = tree.nodes[i];
-      for (std::uint32_t k = 0; k < 4; ++k) is_child[nodes[i].first_child + k] = 1;
+      for (std::uint32_t k = 0; k < 4; ++k) nodes[nodes[i].first_child + k].is_root = false;
     }
   }
   for (std::size_t i = nodes.size(); i-- > 0;) { // a node has the outer corners of its first three children
@@ -86,26 +99,23 @@ std::vector<LinkNode> make_link_nodes(const PackedScene& scene, const PatchTree&
     node.corners = corners_of(scene, node.part);
     node.normal = geometric_normal(scene, {node.part.triangle, node.part.instance, 0.25f, 0.25f});
     node.area = 0.5 * glm::length(glm::cross(node.corners[1] - node.corners[0], node.corners[2] - node.corners[0]));
+    node.has_back = !culls_backs || !(scene.triangles[node.part.triangle].surface & gpu::kTriangleSingleSided);
   }
   return nodes;
 }
 
-// The smaller face is integrated over, which sees the other one change less.
+// The smaller face is integrated over, which sees the other one change less. Points of it that are behind the other
+// see nothing. If all are, as of a box that hardly stands out of the floor, the larger one tells, roughly.
 Exchange exchange_of(const std::vector<LinkNode>& nodes, std::uint32_t face_a, std::uint32_t face_b) {
-  const auto side_of = [&](std::uint32_t face) {
-    const LinkNode& node = nodes[face / 2];
-    return Side{node, face & 1u ? -node.normal : node.normal};
-  };
-  const Side a = side_of(face_a), b = side_of(face_b);
-  if (!a.faces(b.node) || !b.faces(a.node)) return {};
+  const FacingNode a(nodes, face_a), b(nodes, face_b);
+  if (!(a.node.area > 0.0) || !(b.node.area > 0.0) || !a.faces(b) || !b.faces(a)) return {};
   const std::array<double, 6> from_a = factors(a, b), from_b = factors(b, a);
-  const bool a_is_smaller = a.node.area <= b.node.area;
-  double mean = 0.0;
-  for (std::size_t i = 0; i < kQuadrature.size(); ++i)
-    mean += kQuadrature[i].weight * (a_is_smaller ? from_a : from_b)[i];
-  const double area = mean * std::min(a.node.area, b.node.area);
+  const double area_a = a.node.area * mean_of(from_a), area_b = b.node.area * mean_of(from_b);
+  const auto [smaller, larger] = a.node.area <= b.node.area ? std::pair(area_a, area_b) : std::pair(area_b, area_a);
+  const double area = smaller > 0.0 ? smaller : larger, least_spread = smaller > 0.0 ? 0.0 : 1.0;
   if (!(area > 0.0)) return {};
-  return {area, furthest_from(area / a.node.area, from_a), furthest_from(area / b.node.area, from_b)};
+  return {area, std::max(least_spread, furthest_from(area / a.node.area, from_a)),
+          std::max(least_spread, furthest_from(area / b.node.area, from_b))};
 }
 
 } // namespace wavepath

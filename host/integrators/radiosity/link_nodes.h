@@ -18,15 +18,19 @@ struct LinkNode {
   double area = 0.0;                 // square metres, holes included
   std::uint32_t first_child = 0;     // of four; 0: a leaf
   std::uint32_t patch = 0;           // of a leaf
+  bool is_root = true;               // a whole triangle
+  bool has_back = true;              // rays meet it from behind
 };
 
-// By node of `tree.nodes`: parents come before their children.
-std::vector<LinkNode> make_link_nodes(const PackedScene& scene, const PatchTree& tree);
+// Nodes of all trees, in the order of `tree.nodes`: parents come before their children. `culls_backs`: rays pass
+// single-sided triangles from behind.
+std::vector<LinkNode> make_link_nodes(const PackedScene& scene, const PatchTree& tree, bool culls_backs);
 
-// How nodes see each other if nothing stands between. A face is 2 * node + side, side 1 the back.
+// Light that two faces exchange if nothing stands between. A face is 2 * node + side; side 1 is the back.
 struct Exchange {
-  double area = 0.0;                     // of either face times its form factor to the other; 0: they turn away
-  double spread_a = 0.0, spread_b = 0.0; // how far form factors of points of a face are from their mean, over that mean
+  double area = 0.0; // square metres: of either face, times its form factor to the other; 0: they turn away
+  // How far form factors of points of a face are from their mean, over that mean.
+  double spread_a = 0.0, spread_b = 0.0;
 };
 Exchange exchange_of(const std::vector<LinkNode>& nodes, std::uint32_t face_a, std::uint32_t face_b);
 

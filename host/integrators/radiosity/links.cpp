@@ -4,12 +4,18 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
 namespace wavepath {
 namespace {
 
-constexpr double kSettled = 1e-5;         // share of the power by which light still changes when it is solved
-constexpr int kMostIterations = 2000;     // surfaces that reflect all would go on for ever
-constexpr double kMostReflected = 0.9995; // of the light that a face gets, or light would grow
+constexpr double kSettled = 1e-6;               // share of the power that faces have not sent on when light is solved
+constexpr std::uint32_t kMostIterations = 2000; // surfaces that reflect all would go on for ever
+constexpr std::uint32_t kFirstIterations = 8;   // in which the power of light may rise and fall
+constexpr int kPowerIterations = 32;
+constexpr double kMostReflected = 0.9995; // of the light that faces get
 constexpr double kLeastGain = 1e-7;       // share of the power that a link has to put in the wrong place, to be cut
 constexpr double kGrowth = 2.0;           // links between two solutions
 
@@ -28,13 +34,17 @@ Links::Links(std::vector<LinkNode> nodes, std::vector<Face> faces, std::uint64_t
       faces_(std::move(faces)),
       most_(most),
       reflects_(reflects),
+      power_(power_of(faces_)),
       radiosity_(2 * nodes_.size()),
       irradiance_(2 * nodes_.size()),
       range_(2 * nodes_.size()) {
-  link_triangles();
+  if (power_ > 0.0) link_triangles();
+  most_ += links_.size();
 }
 
 void Links::add(std::uint32_t a, std::uint32_t b) {
+  const auto is_there = [&](std::uint32_t face) { return !(face & 1u) || nodes_[face / 2].has_back; };
+  if (!is_there(a) || !is_there(b)) return;
   const Exchange exchange = exchange_of(nodes_, a, b);
   if (!(exchange.area > 0.0)) return;
   links_.push_back({a, b, static_cast<float>(exchange.area), static_cast<float>(exchange.spread_a),
@@ -42,18 +52,20 @@ void Links::add(std::uint32_t a, std::uint32_t b) {
 }
 
 void Links::link_triangles() {
-  std::vector<std::uint8_t> is_child(nodes_.size(), 0);
-  for (const LinkNode& node : nodes_)
-    for (std::uint32_t k = 0; node.first_child && k < 4; ++k) is_child[node.first_child + k] = 1;
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i)
-    if (!is_child[i]) roots.push_back(i);
+    if (nodes_[i].is_root) roots.push_back(i);
+  if (roots.size() > kMostLinkedTriangles)
+    throw Error("--form-factors links",
+                fmt::format("links all pairs of triangles, and the scene has more than {}", kMostLinkedTriangles),
+                "use --form-factors rays");
   for (std::size_t i = 0; i < roots.size(); ++i)
     for (std::size_t j = i + 1; j < roots.size(); ++j)
       for (std::uint32_t sides = 0; sides < 4; ++sides) add(2 * roots[i] + (sides & 1), 2 * roots[j] + (sides >> 1));
 }
 
 std::span<const Link> Links::next(std::uint64_t count) {
+  if (!(power_ > 0.0)) return {};
   if (known_ == links_.size()) {
     solve();
     cut_links();
@@ -70,8 +82,7 @@ void Links::measure(std::span<const float> visible) {
 void Links::gather() {
   std::ranges::fill(irradiance_, glm::dvec3(0.0));
   for (const Link& link : links_) {
-    double exchange = double{link.exchange} * link.visible;
-    if (!limits_.empty()) exchange *= std::min(limits_[link.a], limits_[link.b]);
+    const double exchange = strength_ * link.exchange * link.visible;
     irradiance_[link.a] += exchange / nodes_[link.a / 2].area * radiosity_[link.b];
     irradiance_[link.b] += exchange / nodes_[link.b / 2].area * radiosity_[link.a];
   }
@@ -105,52 +116,62 @@ void Links::pull() {
   }
 }
 
-// Inexact form factors of a face may add up to more than 1, and light between mirrors of diffuse light would grow from
-// bounce to bounce. Links of such faces are weakened.
-void Links::limit_factors() {
-  limits_.clear();
+// Largest eigenvalue of the form factors, by power iteration with Rayleigh quotients: areas times form factors are
+// symmetric. It is 1 in a closed scene, if they are exact.
+double Links::largest_eigenvalue() {
   std::ranges::fill(radiosity_, glm::dvec3(1.0));
-  gather();
-  push();
-  std::vector<double> limits(irradiance_.size(), 1.0);
-  bool is_limited = false;
-  for (std::uint32_t i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;)
-    for (std::uint32_t side = 0; side < 2; ++side) {
-      const LinkNode& node = nodes_[i];
-      double& limit = limits[2 * i + side];
-      if (node.first_child) {
-        for (std::uint32_t k = 0; k < 4; ++k) limit = std::min(limit, limits[2 * (node.first_child + k) + side]);
-        continue;
+  double eigenvalue = 0.0;
+  for (int i = 0; i < kPowerIterations; ++i) {
+    double before = 0.0, after = 0.0;
+    pull();
+    gather();
+    push();
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+      for (std::uint32_t face = 2 * n; nodes_[n].first_child == 0 && face < 2 * n + 2; ++face) {
+        before += nodes_[n].area * radiosity_[face].r * radiosity_[face].r;
+        after += nodes_[n].area * radiosity_[face].r * irradiance_[face].r;
+        radiosity_[face] = irradiance_[face];
       }
-      const glm::dvec3& reflectance = faces_[2 * node.patch + side].reflectance;
-      const double sent_on = irradiance_[2 * i + side].r * std::max({reflectance.r, reflectance.g, reflectance.b});
-      if (sent_on <= kMostReflected) continue;
-      limit = kMostReflected / sent_on;
-      is_limited = true;
-    }
-  if (is_limited) limits_ = std::move(limits);
+    eigenvalue = before > 0.0 ? after / before : 0.0;
+  }
+  return eigenvalue;
 }
 
-void Links::solve() {
-  limit_factors();
-  std::ranges::fill(range_, 0.0);
-  std::ranges::fill(irradiance_, glm::dvec3(0.0));
-  for (Face& face : faces_) face.irradiance = glm::dvec3(0.0);
-  const double power = power_of(faces_);
-  for (int i = 0; i < kMostIterations; ++i) {
-    double change = 0.0;
-    for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-      if (nodes_[n].first_child) continue;
-      for (std::uint32_t side = 0; side < 2; ++side) {
-        Face& face = faces_[2 * nodes_[n].patch + side];
-        const glm::dvec3 gained = irradiance_[2 * n + side] - face.irradiance;
-        change += face.area * (std::abs(gained.r) + std::abs(gained.g) + std::abs(gained.b));
-        face.irradiance = irradiance_[2 * n + side];
-        const glm::dvec3 sent = face.unshot + (reflects_ ? face.reflectance * face.irradiance : glm::dvec3(0.0));
-        radiosity_[2 * n + side] = nodes_[n].area > 0.0 ? face.area / nodes_[n].area * sent : glm::dvec3(0.0);
-      }
+// Faces take what their patches have got, and send on their share of it. Returns the power that is new in that.
+double Links::reflect() {
+  double unsent = 0.0;
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+    for (std::uint32_t side = 0; nodes_[i].first_child == 0 && side < 2; ++side) {
+      Face& face = faces_[2 * nodes_[i].patch + side];
+      const glm::dvec3& got = irradiance_[2 * i + side];
+      const glm::dvec3 reflectance = reflects_ ? face.reflectance : glm::dvec3(0.0);
+      unsent += face.area * sum_of(reflectance * glm::abs(got - face.irradiance));
+      face.irradiance = got;
+      const double covered = nodes_[i].area > 0.0 ? face.area / nodes_[i].area : 0.0; // by what is no hole
+      radiosity_[2 * i + side] = covered * (face.unshot + reflectance * got);
     }
-    if (i > 0 && change <= kSettled * power) break;
+  return unsent;
+}
+
+// Iterations begin with the light of the last solution. Inexact form factors may add up to more than 1. Where faces
+// reflect nearly all light, it would grow from bounce to bounce; then all links are weakened until none does.
+void Links::solve() {
+  strength_ = 1.0;
+  std::ranges::fill(range_, 0.0);
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+    for (std::uint32_t side = 0; nodes_[i].first_child == 0 && side < 2; ++side)
+      irradiance_[2 * i + side] = faces_[2 * nodes_[i].patch + side].irradiance;
+  for (Face& face : faces_) face.irradiance = glm::dvec3(0.0);
+  double before = 0.0; // power that was unsent an iteration earlier
+  for (std::uint32_t i = 0; i < kMostIterations; ++i) {
+    unsent_ = reflect();
+    if (i > 0 && unsent_ <= kSettled * power_) break;
+    if (i > kFirstIterations && unsent_ > kMostReflected * before && strength_ == 1.0) {
+      strength_ = kMostReflected / std::max(largest_eigenvalue(), kMostReflected + 1e-9);
+      std::ranges::fill(irradiance_, glm::dvec3(0.0));
+      continue;
+    }
+    before = unsent_;
     pull();
     gather();
     push();
@@ -178,7 +199,7 @@ Links::Cut Links::best_cut(const Link& link) const {
 
 // Cuts those that may put the most power in the wrong place, until the number of links has grown.
 void Links::cut_links() {
-  const double least = kLeastGain * power_of(faces_);
+  const double least = kLeastGain * power_;
   std::vector<std::pair<double, std::uint32_t>> order;
   for (std::uint32_t i = 0; i < links_.size(); ++i)
     if (const double gain = best_cut(links_[i]).gain; gain > least) order.emplace_back(gain, i);
@@ -211,19 +232,18 @@ std::vector<glm::dvec3> Links::irradiance() const {
 }
 
 double Links::absorbed(const std::vector<glm::dvec3>& irradiance) const {
-  const double power = power_of(faces_);
-  return power > 0.0 ? absorbed_power(faces_, irradiance) / power : 0.0;
+  return power_ > 0.0 ? absorbed_power(faces_, irradiance) / power_ : 0.0;
 }
 
-// Of what all faces send, and get.
+double Links::remaining() const { return power_ > 0.0 ? unsent_ / power_ : 0.0; }
+
+// What is neither absorbed nor still to be sent on. Without reflections nothing that arrives is.
 double Links::lost() const {
-  const double power = power_of(faces_);
-  double lost = power;
-  for (const Face& face : faces_) {
-    const glm::dvec3 kept = reflects_ ? 1.0 - face.reflectance : glm::dvec3(1.0);
-    lost -= face.area * sum_of(kept * face.irradiance);
-  }
-  return power > 0.0 ? lost / power : 0.0;
+  if (!(power_ > 0.0)) return 0.0;
+  double kept = unsent_;
+  for (const Face& face : faces_)
+    kept += face.area * sum_of((reflects_ ? 1.0 - face.reflectance : glm::dvec3(1.0)) * face.irradiance);
+  return 1.0 - kept / power_;
 }
 
 } // namespace wavepath

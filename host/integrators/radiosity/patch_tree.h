@@ -25,8 +25,6 @@ struct PatchTree {
 
 // Most triangles, those of all instances counted, that a mesh is made of.
 inline constexpr std::uint64_t kMostPatchTriangles = 1u << 20;
-// Most triangles of which all pairs are linked.
-inline constexpr std::uint64_t kMostLinkedTriangles = 1024;
 
 // Every triangle in 4^n patches, of which none is larger than an area that all share: the least area with which there
 // are at most `count` patches. More where the scene has more triangles.

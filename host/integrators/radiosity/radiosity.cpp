@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/integrators/radiosity/links.h"
 #include "host/integrators/radiosity/settings.h"
 #include "host/render/workspace/wave_queue.h"
 #include "host/scene/pack/features.h"
@@ -51,6 +52,10 @@ std::vector<Binding> layout() {
   return layout;
 }
 
+bool links_too_many(const RenderPlan& settings, const PackedScene& scene) {
+  return settings.form_factors == kFormFactorsLinks && scene.triangle_count > kMostLinkedTriangles;
+}
+
 } // namespace
 
 std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene) {
@@ -62,8 +67,9 @@ std::string radiosity_lacks(const RenderPlan& settings, const PackedScene& scene
   if (settings.moving) return cannot("surfaces that move while the shutter is open (--shutter)");
   if (scene.triangle_count > kMostPatchTriangles)
     return cannot(fmt::format("more than {} triangles, each a patch at least", kMostPatchTriangles));
-  if (settings.form_factors == kFormFactorsLinks && scene.triangle_count > kMostLinkedTriangles)
-    return fmt::format("cannot link all pairs of more than {} triangles (--form-factors links)", kMostLinkedTriangles);
+  if (links_too_many(settings, scene))
+    return fmt::format("cannot link all pairs of more than {} triangles, which --form-factors rays need not",
+                       kMostLinkedTriangles);
   return "";
 }
 
@@ -85,7 +91,8 @@ Radiosity::Radiosity(Workspace& workspace, KernelCompiler& kernels)
 void Radiosity::change(const View& view, const RenderPlan& settings, TemporalHistory) {
   const PackedScene& scene = workspace_.scene;
   if (const std::string problem = radiosity_lacks(settings, scene); !problem.empty())
-    throw Error("--integrator radiosity", problem, "use --integrator path");
+    throw Error("--integrator radiosity", problem,
+                links_too_many(settings, scene) ? "use --form-factors rays" : "use --integrator path");
   settings_ = settings;
   need_ = radiosity_need(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings), settings);
   kernels_.start(need_);

@@ -26,14 +26,15 @@ std::vector<Setting> radiosity_rows() {
       {.name = "form-factors",
        .value = ChoiceValue{&S::form_factors, kFormFactorNames},
        .meaning = "how the light that one patch sends to another is measured. rays: from points all over the patch, "
-                  "distributed like its light. hemicube: through the pixels of half a cube on its middle. links: "
-                  "in closed form between parts of all sizes, and by rays whether anything stands between",
+                  "distributed like its light. hemicube: through the pixels of half a cube on its middle. links: a "
+                  "formula gives the light between large and small parts of surfaces, and rays test whether anything "
+                  "stands between them",
        .label = "form factors",
        .study = {"hemicube", "links", "rays"}},
       {.name = "patch-rays",
        .value = WholeValue{&S::patch_rays, 1, kMostPatchRays},
        .meaning = "rays for each patch that the light of all lamps is sent by. Light that patches send on gets as many "
-                  "as its power is worth. Links take so many for all light",
+                  "as its power is worth. With links: of all light together, besides those between whole triangles",
        .placeholder = "N",
        .study = {"16", "64", "256", "1024"}},
       {.name = "gather",

@@ -19,8 +19,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLightRays = 64;      // shadow rays of a face, at least one to every light
-constexpr std::uint32_t kLightDispatches = 4; // of shadow rays, before the render may be stopped
+constexpr std::uint32_t kLightRays = 64;       // shadow rays of a face, at least one to every light
+constexpr std::uint64_t kMostLinks = 1u << 22; // 100 MB, and some seconds on the host between two solutions
+constexpr std::uint32_t kLightDispatches = 4;  // of shadow rays, before the render may be stopped
 // Rays of a dispatch: on two cores of a CPU 2^15 take 30 ms.
 constexpr std::uint32_t kRaysOfCpu = 1u << 15, kRaysOfGpu = 1u << 20;
 
@@ -67,9 +68,13 @@ void Solver::upload(const PatchTree& tree) {
   const std::uint64_t faces = 2 * std::uint64_t{tree.size()}, rays = rays_at_once(workspace_);
   roots_ = wavepath::upload(device, tree.roots);
   nodes_ = wavepath::upload(device, tree.nodes);
-  std::vector<gpu::Patch> patches = tree.patches;
-  for (const LinkNode& node : work_->nodes) patches.push_back(node.part);
-  patches_ = wavepath::upload(device, patches);
+  if (work_->nodes.empty()) {
+    patches_ = wavepath::upload(device, tree.patches);
+  } else {
+    std::vector<gpu::Patch> patches = tree.patches;
+    for (const LinkNode& node : work_->nodes) patches.push_back(node.part);
+    patches_ = wavepath::upload(device, patches);
+  }
   surfaces_ = Buffer(device, tree.size() * sizeof(gpu::PatchSurface));
   lamp_light_ = Buffer(device, faces * sizeof(gpu::vec4));
   corners_ = Buffer(device, faces * 3 * sizeof(gpu::vec4));
@@ -209,7 +214,7 @@ bool Solver::trace_links(const KernelSet& kernels, WaveQueue& queue) {
       all += std::abs(along_ray);
       arrives += std::max(along_ray, 0.0f);
     }
-    visible.push_back(all > 0.0 ? static_cast<float>(arrives / all) : 1.0f); // no ray found both in front of each other
+    visible.push_back(all > 0.0 ? static_cast<float>(arrives / all) : 0.5f); // unknown: no ray leaves both in front
   }
   report_.rays += blocks.size() * gpu::kBlockRays;
   links.measure(visible);
@@ -231,8 +236,9 @@ std::vector<Shot> Solver::next_shots() {
 
 void Solver::begin_light() {
   const std::uint64_t rays = std::uint64_t{settings_.patch_rays} * work_->tree.size();
-  if (settings_.form_factors == kFormFactorsLinks)
-    work_->links.emplace(std::move(work_->nodes), make_faces(), rays / gpu::kBlockRays, reflects());
+  if (by_links())
+    work_->links.emplace(std::move(work_->nodes), make_faces(), std::min(rays / gpu::kBlockRays, kMostLinks),
+                         reflects());
   else
     work_->refinement.emplace(make_faces(), static_cast<double>(rays), reflects());
 }
@@ -242,7 +248,7 @@ bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) 
   bool is_solved = false;
   if (!work_->is_uploaded) {
     work_->mesh = make_mesh(workspace_.scene, work_->tree);
-    if (settings_.form_factors == kFormFactorsLinks) work_->nodes = make_link_nodes(workspace_.scene, work_->tree);
+    if (by_links()) work_->nodes = make_link_nodes(workspace_.scene, work_->tree, settings_.cull == gpu::kCullAll);
     upload(work_->tree);
     set_ = &bind();
     measure_surfaces(kernels, queue);
@@ -250,7 +256,7 @@ bool Solver::step(const KernelSet& kernels, WaveQueue& queue, const Bind& bind) 
   } else if (!work_->refinement && !work_->links) {
     if (measure_light(kernels, queue)) begin_light();
   } else if (work_->links) {
-    if (!is_looked_up(settings_) || !trace_links(kernels, queue)) is_solved = finish_mesh(*work_->links);
+    if (!trace_links(kernels, queue)) is_solved = finish_mesh(*work_->links);
   } else if (const auto shots = next_shots(); !shots.empty()) {
     trace(shots, kernels, queue);
   } else {

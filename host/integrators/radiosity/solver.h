@@ -12,6 +12,7 @@
 #include "host/integrators/radiosity/patch_mesh.h"
 #include "host/integrators/radiosity/patch_tree.h"
 #include "host/integrators/radiosity/refinement.h"
+#include "host/integrators/radiosity/settings.h"
 #include "host/render/loop/render_result.h"
 #include "host/render/settings/render_plan.h"
 #include "host/render/workspace/kernel_set.h"
@@ -70,6 +71,7 @@ private:
   };
 
   bool reflects() const { return settings_.max_depth > 1; }
+  bool by_links() const { return settings_.form_factors == kFormFactorsLinks && is_looked_up(settings_); }
   void upload(const PatchTree& tree);
   void submit(const Kernel& kernel, const gpu::Wave& wave, WaveQueue& queue);
   void measure_surfaces(const KernelSet& kernels, WaveQueue& queue);
