@@ -185,12 +185,16 @@ Links::Cut Links::best_cut(const Link& link) const {
   constexpr double kRays = gpu::kBlockRays;
   const double certain = (kRays * link.visible + 0.5) / (kRays + 1.0);
   const double exchange = link.exchange, unknown = 2.0 * certain * (1.0 - certain);
+  // Of the light that a face sends: its bright parts may be those that form factors or rays tell nothing of.
+  const auto differs = [&](double spread, std::uint32_t face) {
+    return range_[face] * std::min(1.0, 0.5 * spread * certain + unknown);
+  };
   const double light_a = sum_of(radiosity_[link.a]), light_b = sum_of(radiosity_[link.b]);
   const bool a_is_larger = nodes_[link.a / 2].area >= nodes_[link.b / 2].area;
   const bool a_is_whole = nodes_[link.a / 2].first_child == 0, b_is_whole = nodes_[link.b / 2].first_child == 0;
   const double stopped = exchange * unknown * std::max(light_a, light_b);
-  double of_a = exchange * link.spread_a * certain * (light_b + 0.5 * range_[link.a]);
-  double of_b = exchange * link.spread_b * certain * (light_a + 0.5 * range_[link.b]);
+  double of_a = exchange * (link.spread_a * certain * light_b + differs(link.spread_a, link.a));
+  double of_b = exchange * (link.spread_b * certain * light_a + differs(link.spread_b, link.b));
   (b_is_whole || (a_is_larger && !a_is_whole) ? of_a : of_b) += stopped;
   if (a_is_whole) of_a = 0.0;
   if (b_is_whole) of_b = 0.0;
