@@ -47,7 +47,6 @@ public:
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(links_.size()); }
   std::uint64_t measured() const { return measured_; } // those that were cut up since, too
-  const std::vector<LinkNode>& nodes() const { return nodes_; }
 
 private:
   struct Cut {
