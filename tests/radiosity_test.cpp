@@ -544,6 +544,28 @@ TEST_F(RadiosityTest, LinksFindTheLightOfPathTracing) {
   }
 }
 
+// A lamp that shines to both sides, close under the ceiling: what it sends up stays between the two. The bright part of
+// the ceiling is hidden, so links of the whole ceiling would send its light into the room.
+TEST_F(RadiosityTest, LinksKeepHiddenLightWhereItIs) {
+  Scene scene;
+  scene.path = "test";
+  add_walls(scene, add_material(scene, 0.5f, 0.0f));
+  const std::uint32_t lamp = add_material(scene, 0.5f, 5.0f);
+  scene.materials[lamp].double_sided = true;
+  add_square(scene, lamp, {0.3f, 0.998f, 0.3f}, {0.4f, 0, 0}, {0, 0, 0.4f});
+  scene.cameras.push_back(camera_inside());
+  RenderPlan shot = plan_of(&kRadiosity, 16, 8192), linked = shot;
+  shot.patch_rays = 128;
+  linked.form_factors = kFormFactorsLinks;
+  const RadiositySubject room(std::move(scene), shot);
+  const Picture truth = render(room, shot).picture, shown = render(room, linked).picture;
+  RecordProperty("difference", std::to_string(difference_of(shown, truth)));
+  RecordProperty("mean", std::to_string(mean_of(shown) / mean_of(truth)));
+  // Without the range of radiosity in the choice of cuts: 0.10.
+  EXPECT_LT(difference_of(shown, truth), 0.08);
+  EXPECT_NEAR(mean_of(shown), mean_of(truth), 0.07 * mean_of(truth));
+}
+
 // Lamps without a surface, and a sky.
 TEST_F(RadiosityTest, FindsTheLightOfLampsAndSky) {
   Scene scene;
