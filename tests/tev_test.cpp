@@ -115,10 +115,10 @@ TEST(Tev, ShowsTheLatest) {
 // One that reads nothing costs nothing while there is something to render, and a second at the end.
 TEST(Tev, WaitsForNoneThatHangs) {
   const SilentTev tev;
+  const Picture large = picture_of(2000, 1000, 0.0f); // 40 MB
   const Clock::time_point start = Clock::now();
   {
     TevViewer viewer(tev.address());
-    const Picture large = picture_of(2000, 1000, 0.0f); // 40 MB
     for (int i = 0; i < 5; ++i) EXPECT_TRUE(viewer.show("a", large));
     const Clock::time_point shown = Clock::now();
     EXPECT_FALSE(viewer.finish());
