@@ -1,4 +1,4 @@
-// What hierarchical links join: the nodes of the trees that cut the triangles of a scene, each with two faces.
+// Nodes that hierarchical links join: triangles, and the parts that trees of patches cut them into. Each has two faces.
 #pragma once
 
 #include <array>

@@ -185,7 +185,7 @@ Links::Cut Links::best_cut(const Link& link) const {
   constexpr double kRays = gpu::kBlockRays;
   const double certain = (kRays * link.visible + 0.5) / (kRays + 1.0);
   const double exchange = link.exchange, unknown = 2.0 * certain * (1.0 - certain);
-  // Of the light that a face sends: its bright parts may be those that form factors or rays tell nothing of.
+  // Radiosity differs over a face: its bright parts may be those that form factors and rays tell nothing of.
   const auto differs = [&](double spread, std::uint32_t face) {
     return range_[face] * std::min(1.0, 0.5 * spread * certain + unknown);
   };
@@ -241,7 +241,7 @@ double Links::absorbed(const std::vector<glm::dvec3>& irradiance) const {
 
 double Links::remaining() const { return power_ > 0.0 ? unsent_ / power_ : 0.0; }
 
-// What is neither absorbed nor still to be sent on. Without reflections nothing that arrives is.
+// Power that is neither absorbed nor still to be sent on. Without reflections, all that arrives stays.
 double Links::lost() const {
   if (!(power_ > 0.0)) return 0.0;
   double kept = unsent_;

@@ -8,7 +8,7 @@
 namespace wavepath {
 namespace {
 
-// What of a triangle is above the horizon: one corner more than it had, at most.
+// The part of a triangle above the horizon. It has four corners at most.
 struct Polygon {
   std::array<glm::dvec3, 4> corners;
   std::size_t count = 0;

@@ -106,7 +106,7 @@ struct DenoiseReport {
 struct RadiosityReport {
   std::uint32_t patches = 0, shots = 0, links = 0;
   std::uint64_t rays = 0; // of all shots or links, on a coarse mesh too
-  double remaining = 0.0; // share of the power that an ambient term stands for
+  double remaining = 0.0; // share of the power that was not followed; for that of shots an ambient term stands
   double absorbed = 0.0;  // share of the power that patches absorb, by the light that cameras see
   double lost = 0.0;      // share of the power that left the scene
   double seconds = 0.0;   // of solving
